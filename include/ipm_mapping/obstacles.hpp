@@ -23,6 +23,7 @@ struct Bearing {
   float angle = 0.0F;    ///< in base axes, left positive, radians
   float density = 0.0F;  ///< share of obstacle pixels on the line, or the beam's score
   float range = 0.0F;    ///< metres from the camera's foot point, see `state`
+  float near = 0.0F;     ///< metres from there at which the floor comes into view: not seen before it
   BearingState state = BearingState::Unknown;
 };
 
