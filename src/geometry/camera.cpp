@@ -59,8 +59,7 @@ std::optional<CalibrationError> CameraModel::check(const Intrinsics& k, const st
     return sentence("principal point (", k.cx, ", ", k.cy, ") is not finite");
   if (!(model.empty() || model == "plumb_bob"))
     return sentence("distortion model '", model, "' is not supported, only 'plumb_bob'");
-  if (D.size() > 5)
-    return sentence("D has ", D.size(), " coefficients, plumb_bob has at most 5");
+  if (D.size() > 5) return sentence("D has ", D.size(), " coefficients, plumb_bob has at most 5");
   if (!std::all_of(D.begin(), D.end(), [](double c) { return std::isfinite(c); }))
     return std::string("D has a coefficient that is not finite");
   return std::nullopt;
@@ -73,7 +72,8 @@ Distortion CameraModel::distortionFrom(const std::vector<double>& D) {
 }
 
 CameraPose cameraPose(double x, double y, double z, double pitch, double yaw, double roll) {
-  Eigen::Matrix3d optical_in_level;  // columns: right, down, forward of a level camera, in base axes
+  Eigen::Matrix3d
+      optical_in_level;  // columns: right, down, forward of a level camera, in base axes
   optical_in_level << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   CameraPose pose = CameraPose::Identity();
   pose.linear() = (Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *

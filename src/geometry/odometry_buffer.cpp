@@ -12,12 +12,18 @@ constexpr double clock_jump_seconds = 1.0;
 
 const char* name(OdometryVerdict verdict) {
   switch (verdict) {
-    case OdometryVerdict::Accepted: return "accepted";
-    case OdometryVerdict::NotFinite: return "not_finite";
-    case OdometryVerdict::Duplicate: return "duplicate";
-    case OdometryVerdict::OutOfOrder: return "out_of_order";
-    case OdometryVerdict::TimeJump: return "time_jump";
-    case OdometryVerdict::PoseJump: return "pose_jump";
+    case OdometryVerdict::Accepted:
+      return "accepted";
+    case OdometryVerdict::NotFinite:
+      return "not_finite";
+    case OdometryVerdict::Duplicate:
+      return "duplicate";
+    case OdometryVerdict::OutOfOrder:
+      return "out_of_order";
+    case OdometryVerdict::TimeJump:
+      return "time_jump";
+    case OdometryVerdict::PoseJump:
+      return "pose_jump";
   }
   return "unknown";
 }
@@ -61,8 +67,7 @@ PoseAnswer OdometryBuffer::at(double stamp, SE2& T_odom_base) const {
   const auto before = after - 1;
   const double gap = after->stamp - before->stamp;
   if (gap > parameters_.max_gap) return PoseAnswer::Gap;
-  T_odom_base =
-      interpolate(before->T_odom_base, after->T_odom_base, (stamp - before->stamp) / gap);
+  T_odom_base = interpolate(before->T_odom_base, after->T_odom_base, (stamp - before->stamp) / gap);
   return PoseAnswer::Known;
 }
 

@@ -45,7 +45,8 @@ struct OutputParameters {
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& field) {
     field("contact_z", self.contact_z, Unit{"m"}, Range{0.0, 2.0},
-          "height at which contact and free points are published: costmaps drop points at or below 0");
+          "height at which contact and free points are published: costmaps drop points at or below "
+          "0");
     field("free_step", self.free_step, Unit{"m"}, Range{0.01, 1.0},
           "distance between the points of `free` along a bearing");
     field("scan_range_max", self.scan_range_max, Unit{"m"}, Range{0.0, 100.0},

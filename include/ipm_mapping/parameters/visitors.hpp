@@ -18,19 +18,27 @@ namespace parameter_detail {
 
 template <class T>
 std::string typeName() {
-  if constexpr (std::is_same_v<T, bool>) return "bool";
-  else if constexpr (std::is_same_v<T, std::string>) return "string";
-  else if constexpr (std::is_enum_v<T>) return "enum";
-  else if constexpr (std::is_integral_v<T>) return "int";
-  else return "double";
+  if constexpr (std::is_same_v<T, bool>)
+    return "bool";
+  else if constexpr (std::is_same_v<T, std::string>)
+    return "string";
+  else if constexpr (std::is_enum_v<T>)
+    return "enum";
+  else if constexpr (std::is_integral_v<T>)
+    return "int";
+  else
+    return "double";
 }
 
 template <class T>
 std::string valueText(const T& value) {
   std::ostringstream out;
-  if constexpr (std::is_same_v<T, bool>) out << (value ? "true" : "false");
-  else if constexpr (std::is_enum_v<T>) out << enum_names<T>.at(static_cast<std::size_t>(value));
-  else out << value;
+  if constexpr (std::is_same_v<T, bool>)
+    out << (value ? "true" : "false");
+  else if constexpr (std::is_enum_v<T>)
+    out << enum_names<T>.at(static_cast<std::size_t>(value));
+  else
+    out << value;
   return out.str();
 }
 
@@ -41,24 +49,27 @@ std::string choices() {
   return all;
 }
 
+/// Brings the two forms of a field's declaration to one.
+template <class Use>
+struct Uniform {
+  Use& use;
+  template <class T>
+  void operator()(const char* name, T& value, Unit unit, Range range, const char* doc) const {
+    use(name, value, unit, range, doc);
+  }
+  template <class T>
+  void operator()(const char* name, T& value, const char* doc) const {
+    use(name, value, Unit{}, Range{}, doc);
+  }
+};
+
 }  // namespace parameter_detail
 
 /// Calls `use(name, reference to the value, Unit, Range, doc)` for every field of `parameters`,
 /// whichever of the two forms the field was declared in.
 template <class Struct, class Use>
 void forEachField(Struct& parameters, Use&& use) {
-  struct Adapter {
-    Use& use;
-    template <class T>
-    void operator()(const char* name, T& value, Unit unit, Range range, const char* doc) const {
-      use(name, value, unit, range, doc);
-    }
-    template <class T>
-    void operator()(const char* name, T& value, const char* doc) const {
-      use(name, value, Unit{}, Range{}, doc);
-    }
-  };
-  std::remove_const_t<Struct>::fields(parameters, Adapter{use});
+  std::remove_const_t<Struct>::fields(parameters, parameter_detail::Uniform<Use>{use});
 }
 
 /// Calls `use(FieldText)` for every field.
@@ -67,8 +78,9 @@ void describeFields(const Struct& parameters, Use&& use) {
   forEachField(parameters, [&use](const char* name, const auto& value, Unit unit, Range range,
                                   const char* doc) {
     using T = std::remove_cv_t<std::remove_reference_t<decltype(value)>>;
-    FieldText text{name, parameter_detail::typeName<T>(), unit.symbol,
-                   parameter_detail::valueText(value), "", doc};
+    FieldText text{name,        parameter_detail::typeName<T>(),
+                   unit.symbol, parameter_detail::valueText(value),
+                   "",          doc};
     if constexpr (std::is_enum_v<T>) {
       text.range = parameter_detail::choices<T>();
     } else if constexpr (std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) {
@@ -110,17 +122,17 @@ void setFromText(const std::string& name, const std::string& text, T& value) {
 /// Throws ParameterError for the first field outside its range.
 template <class Struct>
 void validateFields(const std::string& prefix, const Struct& parameters) {
-  forEachField(parameters, [&prefix](const char* name, const auto& value, Unit unit, Range range,
-                                     const char*) {
-    using T = std::remove_cv_t<std::remove_reference_t<decltype(value)>>;
-    if constexpr (std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) {
-      if (range.contains(static_cast<double>(value))) return;
-      std::ostringstream out;
-      out << prefix << "/" << name << " = " << value << " " << unit.symbol << ": allowed is "
-          << range.lowest << " ... " << range.highest;
-      throw ParameterError(out.str());
-    }
-  });
+  forEachField(parameters,
+               [&prefix](const char* name, const auto& value, Unit unit, Range range, const char*) {
+                 using T = std::remove_cv_t<std::remove_reference_t<decltype(value)>>;
+                 if constexpr (std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) {
+                   if (range.contains(static_cast<double>(value))) return;
+                   std::ostringstream out;
+                   out << prefix << "/" << name << " = " << value << " " << unit.symbol
+                       << ": allowed is " << range.lowest << " ... " << range.highest;
+                   throw ParameterError(out.str());
+                 }
+               });
 }
 
 }  // namespace ipm_mapping
