@@ -10,7 +10,6 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "ipm_mapping/io/parameters_yaml.hpp"
 #include "ipm_mapping/io/run_files.hpp"
 #include "ipm_mapping/mapping/map_io.hpp"
 #include "ipm_mapping/ros/offline_run.hpp"
@@ -50,8 +49,13 @@ void declare(CLI::App& app, Arguments& a) {
 }
 
 void settle(Arguments& a) {
-  a.options.parameters = loadProfile(a.profile);
-  for (const std::string& setting : a.settings) setParameter(a.options.parameters, setting);
+  a.options.parameters = Parameters::profile(a.profile);
+  for (const std::string& setting : a.settings) {
+    const auto equals = setting.find('=');
+    if (equals == std::string::npos)
+      throw ParameterError("--set " + setting + ": write GROUP/NAME=VALUE");
+    a.options.parameters.set(setting.substr(0, equals), setting.substr(equals + 1));
+  }
   a.options.parameters.validate();
   if (!a.camera_pose.empty())
     a.options.camera_pose = {a.camera_pose[0], a.camera_pose[1], a.camera_pose[2],
