@@ -71,7 +71,8 @@ void showProgress(double share) {
   shown = percent;
   constexpr int width = 40;
   const int filled = percent * width / 100;
-  std::fprintf(stderr, "\r[%s%s] %3d %%%s", std::string(static_cast<std::size_t>(filled), '#').c_str(),
+  std::fprintf(stderr, "\r[%s%s] %3d %%%s",
+               std::string(static_cast<std::size_t>(filled), '#').c_str(),
                std::string(static_cast<std::size_t>(width - filled), '.').c_str(), percent,
                percent == 100 ? "\n" : "");
 }
@@ -89,8 +90,10 @@ void summarize(const OfflineRun& run, const std::string& out) {
   std::printf("%llu frames read, %llu used, %llu contacts, %.2f ms a used frame\n",
               static_cast<unsigned long long>(r.images), static_cast<unsigned long long>(r.used()),
               static_cast<unsigned long long>(r.contacts), ms);
-  std::printf("results in %s: map.png, overlay.png, map.pgm, map.yaml, points.csv, obstacles.csv, "
-              "report.json\n", out.c_str());
+  std::printf(
+      "results in %s: map.png, overlay.png, map.pgm, map.yaml, points.csv, obstacles.csv, "
+      "report.json\n",
+      out.c_str());
 }
 
 /// An input that gave nothing to work on is an error; a robot that never moved is not.
@@ -99,8 +102,9 @@ void requireImages(const RunReport& report) {
   if (report.unusable_images == report.images) throw BagError(report.first_refusal);
   const auto status = [&](FrameStatus s) { return report.frames[static_cast<std::size_t>(s)]; };
   if (status(FrameStatus::SizeMismatch) > 0 && report.used() == 0)
-    throw BagError("images are not of the calibrated size; give the right calibration with "
-                   "--camera-info FILE.yaml");
+    throw BagError(
+        "images are not of the calibrated size; give the right calibration with "
+        "--camera-info FILE.yaml");
   if (report.odometry.empty()) throw BagError("the odometry topic has no messages");
 }
 
@@ -110,8 +114,8 @@ void runOn(Arguments& a) {
   std::filesystem::create_directories(a.out);
   RunFiles files(a.out);
   OfflineRun run(bag, camera, a.options.parameters);
-  run.run({[&](const Obstacles& obstacles, const Detector&) { files.add(obstacles); },
-           showProgress});
+  run.run(
+      {[&](const Obstacles& obstacles, const Detector&) { files.add(obstacles); }, showProgress});
   requireImages(run.report());
   files.finish();
   TrinaryMap map;
