@@ -59,8 +59,12 @@ Refusal toCamera(const sensor_msgs::CameraInfo& info, CameraModel& camera) {
     return sentence("camera_info: roi ", info.roi.width, "x", info.roi.height, " at (",
                     info.roi.x_offset, ", ", info.roi.y_offset, ") with binning ", u.step(), "x",
                     v.step(), " does not fit into ", info.width, "x", info.height);
-  Intrinsics k{sized ? u.pixels() : 0, sized ? v.pixels() : 0, u.focal(info.K[0]),
-               v.focal(info.K[4]),     u.centre(info.K[2]),    v.centre(info.K[5])};
+  Intrinsics k{sized ? u.pixels() : static_cast<int>(info.width),
+               sized ? v.pixels() : static_cast<int>(info.height),
+               u.focal(info.K[0]),
+               v.focal(info.K[4]),
+               u.centre(info.K[2]),
+               v.centre(info.K[5])};
   if (auto error = CameraModel::check(k, info.distortion_model, info.D))
     return "camera_info: " + *error;
   if (info.K[1] != 0.0)
