@@ -54,6 +54,10 @@ struct Parameters {
   [[nodiscard]] static Parameters profile(const std::string& name);
   [[nodiscard]] static const std::vector<std::string>& profileNames();
 
+  /// Sets one field from text, as in set("map/resolution", "0.1"); throws ParameterError for an
+  /// unknown name or a value that is not of the field's type.
+  void set(const std::string& group_and_field, const std::string& text);
+
   /// Throws ParameterError naming the first field outside its range, or the first contradiction.
   void validate() const;
 };

@@ -40,6 +40,18 @@ Parameters Parameters::profile(const std::string& name) {
   throw ParameterError("profile '" + name + "' is not known; there are: " + known);
 }
 
+void Parameters::set(const std::string& group_and_field, const std::string& text) {
+  bool found = false;
+  groups(*this, [&](const std::string& group, auto& fields) {
+    forEachField(fields, [&](const std::string& field, auto& value, Unit, Range, const char*) {
+      if (group + "/" + field != group_and_field) return;
+      setFromText(group_and_field, text, value);
+      found = true;
+    });
+  });
+  if (!found) throw ParameterError("there is no parameter '" + group_and_field + "'");
+}
+
 void Parameters::validate() const {
   groups(*this, [](const char* name, const auto& group) { validateFields(name, group); });
   if (map.free_below >= map.occupied_above)
