@@ -1,0 +1,17 @@
+#include "ipm_mapping/detectors/pipeline.hpp"
+
+#include "ipm_mapping/detectors/chain_detector.hpp"
+
+namespace ipm_mapping {
+
+std::unique_ptr<Detector> makeDetector(const Parameters& parameters) {
+  parameters.validate();
+  switch (parameters.detector.kind) {
+    case DetectorKind::Chain:
+    case DetectorKind::FirstArchitecture:
+      return std::make_unique<ChainDetector>(parameters);
+  }
+  return nullptr;
+}
+
+}  // namespace ipm_mapping
