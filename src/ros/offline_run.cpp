@@ -159,6 +159,9 @@ void OfflineRun::run(const Observers& observers) {
              },
              observers.progress});
   gate_.finish();
+  // A run that found nothing still has a map: all of it unknown.
+  if (map_.geometry().empty())
+    map_.include(trajectory_.empty() ? Eigen::Vector2d::Zero() : trajectory_.front().translation());
   for (int i = 0; i < gate_drop_count; ++i)
     report_.gate_drops[static_cast<std::size_t>(i)] = gate_.dropped(static_cast<GateDrop>(i));
   report_.wall_seconds = secondsSince(start);

@@ -168,8 +168,12 @@ void runOn(Arguments& a) {
   std::filesystem::create_directories(a.out);
   RunFiles files(a.out);
   OfflineRun run(bag, camera, a.options.parameters);
-  run.run(
-      {[&](const Obstacles& obstacles, const Detector&) { files.add(obstacles); }, showProgress});
+  OverlayFrame overlay;
+  run.run({[&](const Obstacles& obstacles, GrayView raw) {
+             files.add(obstacles);
+             overlay.offer(obstacles, raw);
+           },
+           showProgress});
   requireImages(run.report());
   files.finish();
   writeMap(run, a);
