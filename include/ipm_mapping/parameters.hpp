@@ -40,7 +40,7 @@ struct Parameters {
   SegmentationParameters segmentation;
   LocalizationParameters localization;
   BirdsEyeParameters birds_eye;
-  SweepParameters sweep;
+  sweep::SweepParameters sweep;
   MapParameters map;
   OutputParameters output;
 
