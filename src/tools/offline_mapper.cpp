@@ -141,7 +141,8 @@ std::vector<Outline> readTruth(const std::string& path) {
   std::ifstream file(path);
   if (!file) throw BagError("cannot read '" + path + "'");
   try {
-    for (const auto& footprint : nlohmann::json::parse(file).at("footprints")) {
+    const auto truth = nlohmann::json::parse(file);
+    for (const auto& footprint : truth.at("footprints")) {
       Outline outline;
       outline.closed = footprint.contains("polygon");
       for (const auto& point : footprint.at(outline.closed ? "polygon" : "polyline"))
