@@ -19,8 +19,7 @@ double secondsSince(Clock::time_point start) {
 SE2 poseOf(const nav_msgs::Odometry& odometry) {
   const auto& p = odometry.pose.pose.position;
   const auto& q = odometry.pose.pose.orientation;
-  return {p.x, p.y,
-          std::atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))};
+  return {p.x, p.y, std::atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))};
 }
 
 sensor_msgs::CameraInfo calibrationOf(const BagSource& bag, const OfflineOptions& options,
@@ -132,7 +131,8 @@ void OfflineRun::process(const FrameGate<std::pair<std::uint64_t, GrayPicture>>:
   ++report_.frames[static_cast<std::size_t>(status)];
   trajectory_.push_back(frame.T_odom_base);
   if (status == FrameStatus::Used) {
-    for (const StageTime& time : detector_->stageTimes()) report_.addStage(time.stage, time.seconds);
+    for (const StageTime& time : detector_->stageTimes())
+      report_.addStage(time.stage, time.seconds);
     const auto before_map = Clock::now();
     map_.update(obstacles_);
     report_.addStage("map", secondsSince(before_map));
