@@ -8,6 +8,7 @@ std::unique_ptr<Detector> makeDetector(const Parameters& parameters) {
   parameters.validate();
   switch (parameters.detector.kind) {
     case DetectorKind::Chain:
+    case DetectorKind::FirstArchitecture:
       return std::make_unique<ChainDetector>(parameters);
   }
   return nullptr;

@@ -27,7 +27,7 @@ struct RunCamera {
 struct OfflineOptions {
   std::string bag;
   BagTopics topics;
-  std::string calibration_file;                 ///< overrides the bag's camera_info
+  std::string calibration_file;                      ///< overrides the bag's camera_info
   std::optional<std::array<double, 4>> camera_pose;  ///< x, y, z (m), pitch (rad): overrides tf
   Parameters parameters;
 };
