@@ -12,8 +12,8 @@
 namespace ipm_mapping::test {
 namespace {
 
-constexpr double tolerance = 0.02;             // pixels
-constexpr double boundary = 1.0 / 256 + 1e-6;  // pixels
+constexpr double tolerance = 0.01;             // pixels
+constexpr double boundary = 1.0 / 256 + 1e-3;  // pixels: rounding, and single precision
 
 struct Setting {
   std::string name;
@@ -86,7 +86,7 @@ Accuracy measure(const CameraModel& camera, const Sampler& sample, const Oracle&
       if (!(seen && expected.valid)) continue;
       ++accuracy.seen;
       const auto error = [](int grey, double exact) {
-        return std::max(std::abs(grey - exact) - 0.51, 0.0) / 255.0;
+        return std::max(std::abs(grey - exact) - 0.54, 0.0) / 255.0;
       };
       double distance = std::hypot(error(out_u(u, v), stripesAt(expected.u)),
                                    error(out_v(u, v), stripesAt(expected.v)));
@@ -122,13 +122,13 @@ TEST(Warp, CoordinatesAndValidityFollowTheExactMap) {
 
 TEST(Undistort, CoordinatesAndValidityFollowTheExactMap) {
   for (const auto& [name, camera] : cameras()) {
-    const UndistortWarp warp(camera);
+    UndistortWarp warp(camera);
     const CameraModel& lens = camera;
     const Accuracy accuracy = measure(
         camera,
         [&](GrayView raw, GrayBuffer out, GrayBuffer valid) { warp.undistort(raw, out, valid); },
         [&](int u, int v) { return currentSample(lens, u, v); });
-    EXPECT_LT(accuracy.worst, 0.006) << name;  // no interpolation of coordinates: rounding only
+    EXPECT_LT(accuracy.worst, 0.007) << name;  // rounding only
     EXPECT_EQ(accuracy.wrong_validity, 0) << name;
     EXPECT_GT(accuracy.seen, camera.width() * camera.height() / 2) << name;
   }
