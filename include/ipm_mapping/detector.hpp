@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "ipm_mapping/geometry/ground_view.hpp"
+#include "ipm_mapping/image_view.hpp"
+#include "ipm_mapping/obstacles.hpp"
+
+namespace ipm_mapping {
+
+/// One raw camera frame with the robot's pose at its stamp.
+struct Frame {
+  std::uint64_t index = 0;
+  double stamp = 0.0;  ///< seconds
+  GrayView image;      ///< raw mono8; only valid during the call
+  SE2 T_odom_base;
+};
+
+/// What a detector did with a frame. Everything but Used is a reason to count.
+enum class FrameStatus : std::uint8_t {
+  Used,             ///< the answer is valid
+  NoCamera,         ///< no usable calibration yet
+  SizeMismatch,     ///< the image is not of the calibrated size
+  NoReference,      ///< no earlier frame far enough back: the history is still filling
+  NoMotion,         ///< the robot stands: no parallax, no new evidence
+  TooMuchRotation,  ///< turning on the spot
+  FocusUnusable,    ///< the beam has no usable focus
+  GeometryUnusable  ///< the homography cannot be represented
+};
+inline constexpr int frame_status_count = 8;
+[[nodiscard]] const char* name(FrameStatus status);
+
+/// Time spent in one named stage of the last frame.
+struct StageTime {
+  const char* stage;
+  double seconds;
+};
+
+/// Frames and motion in, obstacles out. Implementations own their history and workspace, never
+/// throw and do not allocate in process() after warm-up.
+class Detector {
+ public:
+  virtual ~Detector() = default;
+
+  /// New calibration or camera pose: forgets the history.
+  virtual void setCamera(const CameraModel& camera, const CameraPose& T_base_camera) = 0;
+  /// Forgets history and thresholds (clock or odometry jumped).
+  virtual void reset() = 0;
+  /// Fills `obstacles` when the answer is Used; leaves it empty otherwise.
+  virtual FrameStatus process(const Frame& frame, Obstacles& obstacles) = 0;
+  /// Stage times of the last processed frame, in order.
+  [[nodiscard]] virtual const std::vector<StageTime>& stageTimes() const = 0;
+  /// Short name, as in `detector: sweep`.
+  [[nodiscard]] virtual const char* id() const = 0;
+};
+
+}  // namespace ipm_mapping

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <vector>
+
+#include "ipm_mapping/detector.hpp"
+#include "ipm_mapping/parameters/chain_parameters.hpp"
+#include "ipm_mapping/stages/contact_points.hpp"
+#include "ipm_mapping/stages/free_space.hpp"
+#include "ipm_mapping/stages/polar_histogram.hpp"
+#include "ipm_mapping/stages/selection.hpp"
+
+namespace ipm_mapping {
+
+/// Third link of the chain: polar histogram, contact points, free space, selection (the source,
+/// §5.2-5.4, §6.8-6.10).
+class Localization {
+ public:
+  explicit Localization(const LocalizationParameters& parameters = {}) : parameters_(parameters) {}
+
+  /// mask: W x H of the view's camera. Fills everything of `obstacles` but `frame`, `separability`
+  /// and `threshold`.
+  FrameStatus process(const GroundView& view, GrayView obstacle_mask, Obstacles& obstacles);
+  void setParameters(const LocalizationParameters& parameters) { parameters_ = parameters; }
+
+  /// The beam of the last process(): for pictures.
+  [[nodiscard]] const PolarBeam& beam() const { return beam_; }
+
+ private:
+  void describeBearings(const GroundView& view, GrayView obstacle_mask, Obstacles& obstacles);
+  void selectContacts(Obstacles& obstacles);
+
+  LocalizationParameters parameters_;
+  PolarBeam beam_;
+  PolarHistogram histogram_;
+  ContactFinder finder_;
+  std::vector<LineContacts> lines_;
+  std::vector<Peak> peaks_;
+  std::vector<int> chosen_;
+};
+
+/// Range that is looked at, metres from the base origin: the parameter, or 2 m, or three times the
+/// distance at which the floor comes into view where that is more.
+[[nodiscard]] double effectiveMaxRange(double parameter, const CameraModel& camera,
+                                       const CameraPose& T_base_camera);
+
+}  // namespace ipm_mapping

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+
+namespace ipm_mapping {
+
+/// Wraps an angle to (-pi, pi].
+[[nodiscard]] inline double wrapAngle(double angle) { return std::remainder(angle, 2.0 * M_PI); }
+
+/// A pose on the floor: `T_a_b` takes coordinates in b to coordinates in a. Metres and radians.
+struct SE2 {
+  double x = 0.0;
+  double y = 0.0;
+  double theta = 0.0;
+
+  [[nodiscard]] Eigen::Vector2d translation() const { return {x, y}; }
+  [[nodiscard]] double distance() const { return std::hypot(x, y); }
+
+  /// T_a_b * p_b = p_a
+  [[nodiscard]] Eigen::Vector2d operator*(const Eigen::Vector2d& p) const {
+    const double c = std::cos(theta), s = std::sin(theta);
+    return {c * p.x() - s * p.y() + x, s * p.x() + c * p.y() + y};
+  }
+  /// T_a_b * T_b_c = T_a_c
+  [[nodiscard]] SE2 operator*(const SE2& other) const {
+    const Eigen::Vector2d t = *this * other.translation();
+    return {t.x(), t.y(), wrapAngle(theta + other.theta)};
+  }
+  [[nodiscard]] SE2 inverse() const {
+    const double c = std::cos(theta), s = std::sin(theta);
+    return {-c * x - s * y, s * x - c * y, -theta};
+  }
+  /// Homogeneous 3x3 matrix of the transform.
+  [[nodiscard]] Eigen::Matrix3d matrix() const {
+    const double c = std::cos(theta), s = std::sin(theta);
+    Eigen::Matrix3d m;
+    m << c, -s, x, s, c, y, 0, 0, 1;
+    return m;
+  }
+  [[nodiscard]] bool finite() const {
+    return std::isfinite(x) && std::isfinite(y) && std::isfinite(theta);
+  }
+};
+
+/// Pose on the straight line from `a` (at 0) to `b` (at 1), heading turned the short way round.
+[[nodiscard]] inline SE2 interpolate(const SE2& a, const SE2& b, double t) {
+  return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y),
+          wrapAngle(a.theta + t * wrapAngle(b.theta - a.theta))};
+}
+
+}  // namespace ipm_mapping
