@@ -42,34 +42,66 @@ Inputs saturating(Random& random) {
   return in;
 }
 
-/// One LSB a pixel across an end of signed 12.6, across the horizon, D = 0 and the turning radius.
+namespace {
+
+/// x or y passes an end of signed 12.6, one LSB a pixel.
+void crossViewLimit(Params& p, Random& random) {
+  const int sign = random.pick({-1, 1});
+  const int start = (131072 - random.in(0, p.width)) * sign;
+  setHomography(p, {16 * sign, 0, std::clamp(start, -131072, 131071), 0, 16, random.in(-9000, 9000),
+                    0, 0, 64});
+  if (random.chance(50)) {
+    std::swap(p.h11, p.h22);
+    std::swap(p.h13, p.h23);
+  }
+}
+
+/// Distortion first: its outcome passes the ends of signed 12.6 and is scaled back into the image.
+void crossBentLimit(Params& p, Random& random) {
+  const int shrink = random.in(40, 160);
+  setHomography(p, {shrink, 0, 64 * p.width, 0, shrink, 64 * p.height, 0, 0, 128});
+  p.fx = p.fy = 64 * p.width / random.in(2, 5);
+  p.k1 = 2048 * random.in(1, 4) - random.in(0, 2000);
+  p.r2_max = 16777215;
+  p.paper_order = 1;
+}
+
+/// D passes 0 at a row.
+void crossDepthZero(Params& p, Random& random) {
+  const int slope = random.pick({-16, 16}) * random.in(1, 200);
+  const int row = random.in(1, p.height - 1);
+  setHomography(p, {2048, 0, 0, 0, 2048, 0, 0, slope, -slope / 16 * row});
+}
+
+/// A radius that a pixel of the current view meets exactly.
+int radiusOfAPixel(const Params& p, Random& random) {
+  const int64_t xn = (int64_t{64} * random.in(0, p.width - 1) - p.cx) * 65536 / p.fx;
+  const int64_t yn = (int64_t{64} * random.in(0, p.height - 1) - p.cy) * 65536 / p.fy;
+  return static_cast<int>(std::min<int64_t>(16777215, (xn * xn + yn * yn) >> 16));
+}
+
+}  // namespace
+
+/// Formats' ends met exactly: 12.6, horizon, D = 0, turning radius.
 Inputs limits(Random& random) {
   Inputs in = canvas(random, random.in(20, 300), random.in(20, 100));
   Params& p = in.params;
-  const int sign = random.pick({-1, 1});
-  const int row = random.in(1, p.height - 1), slope = 16 * random.in(1, 200);
-  if (random.chance(60)) {
-    const int start = 131071 - random.in(0, p.width);
-    setHomography(p, {16 * sign, 0, start * sign, 0, 16, random.in(-9000, 9000), 0, 0, 64});
-    if (random.chance(30)) std::swap(p.h13, p.h23);
-  } else if (random.chance(50)) {
-    setHomography(p, {2048, 0, 0, 0, 2048, 0, 0, slope * sign, -slope / 16 * sign * row});
-  }
+  const int slope = random.pick({-16, 16}) * random.in(1, 200);
   p.horizon_a = 0;
-  p.horizon_b = slope * sign;
-  p.horizon_c = -slope / 16 * sign * random.in(0, p.height - 1);
+  p.horizon_b = slope;
+  p.horizon_c = -slope / 16 * random.in(0, p.height - 1);
   p.fx = random.pick({1, 2, 128, 256, 512, 1024, 32768, 65535});
   p.fy = random.pick({1, 2, 128, 256, 512, 1024, 32768, 65535});
-  p.cx = 64 * random.in(0, p.width);
-  p.cy = 64 * random.in(0, p.height);
+  p.cx = 32 * p.width;
+  p.cy = 32 * p.height;
   p.k1 = random.pick({0, 0, -1, 1, random.in(-8192, 8191)});
-  // A radius that a pixel of the current view meets exactly.
-  const int64_t xn = (int64_t{64} * random.in(0, p.width - 1) - p.cx) * 65536 / p.fx;
-  const int64_t yn = (int64_t{64} * random.in(0, p.height - 1) - p.cy) * 65536 / p.fy;
-  if (random.chance(50))
-    p.r2_max = static_cast<int>(std::min<int64_t>(16777215, (xn * xn + yn * yn) >> 16));
   p.paper_order = random.in(0, 1);
   p.use_horizon = random.in(0, 1);
+  if (random.chance(50)) p.r2_max = radiusOfAPixel(p, random);
+  const int which = random.in(0, 3);
+  if (which == 0) crossViewLimit(p, random);
+  if (which == 1) crossBentLimit(p, random);
+  if (which == 2) crossDepthZero(p, random);
   fillNoise(in, random);
   return in;
 }
