@@ -12,12 +12,12 @@ namespace ipm_mapping {
 
 /// Why a frame left the gate without a pose.
 enum class GateDrop : std::uint8_t {
-  Overflow,      ///< too many frames waited for odometry
-  NoOdometry,    ///< odometry did not reach the stamp within `wait`
-  TooOld,        ///< odometry no longer reaches back to the stamp
-  OdometryGap,   ///< odometry messages too far apart around the stamp
-  OutOfOrder,    ///< stamp not newer than the frame before it
-  BadStamp       ///< not finite
+  Overflow,     ///< too many frames waited for odometry
+  NoOdometry,   ///< odometry did not reach the stamp within `wait`
+  TooOld,       ///< odometry no longer reaches back to the stamp
+  OdometryGap,  ///< odometry messages too far apart around the stamp
+  OutOfOrder,   ///< stamp not newer than the frame before it
+  BadStamp      ///< not finite
 };
 inline constexpr int gate_drop_count = 6;
 [[nodiscard]] const char* name(GateDrop reason);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+#include <optional>
 #include <vector>
 
 #include "ipm_mapping/detector.hpp"
@@ -10,6 +12,19 @@
 #include "ipm_mapping/stages/selection.hpp"
 
 namespace ipm_mapping {
+
+/// The floor of one view in base: points for pixels, angles and distances from the camera's foot.
+struct LocalizationFloor {
+  GroundProjection projection;
+  Eigen::Vector2d foot;
+
+  [[nodiscard]] std::optional<Eigen::Vector2d> at(int u, int v) const {
+    return projection.floor({u, v});
+  }
+  [[nodiscard]] float angle(const Eigen::Vector2d& p) const {
+    return static_cast<float>(std::atan2(p.y() - foot.y(), p.x() - foot.x()));
+  }
+};
 
 /// Third link of the chain: polar histogram, contact points, free space, selection (the source,
 /// §5.2-5.4, §6.8-6.10).
@@ -24,9 +39,13 @@ class Localization {
 
   /// The beam of the last process(): for pictures.
   [[nodiscard]] const PolarBeam& beam() const { return beam_; }
+  [[nodiscard]] const PolarHistogram& histogram() const { return histogram_; }
+  [[nodiscard]] const std::vector<Peak>& peaks() const { return peaks_; }
 
  private:
-  void describeBearings(const GroundView& view, GrayView obstacle_mask, Obstacles& obstacles);
+  [[nodiscard]] Bearing describeBearing(int line, GrayView obstacle_mask,
+                                        const LocalizationFloor& floor, double max_range) const;
+  void collectCandidates(const LocalizationFloor& floor, Obstacles& obstacles) const;
   void selectContacts(Obstacles& obstacles);
 
   LocalizationParameters parameters_;
@@ -35,7 +54,8 @@ class Localization {
   ContactFinder finder_;
   std::vector<LineContacts> lines_;
   std::vector<Peak> peaks_;
-  std::vector<int> chosen_;
+  std::vector<int> nearest_, chosen_;
+  std::vector<SelectionCandidate> selection_;
 };
 
 /// Range that is looked at, metres from the base origin: the parameter, or 2 m, or three times the

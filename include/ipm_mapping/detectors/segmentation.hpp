@@ -2,16 +2,11 @@
 
 #include "ipm_mapping/image_view.hpp"
 #include "ipm_mapping/parameters/chain_parameters.hpp"
+#include "ipm_mapping/stages/gaussian.hpp"
+#include "ipm_mapping/stages/obstacle_mask.hpp"
 #include "ipm_mapping/stages/otsu.hpp"
 
 namespace ipm_mapping {
-
-/// Values of an obstacle mask.
-namespace mask {
-inline constexpr std::uint8_t floor = 0;
-inline constexpr std::uint8_t unseen = 128;
-inline constexpr std::uint8_t obstacle = 255;
-}  // namespace mask
 
 /// Second link of the chain: Gaussian, Otsu, erosion (the source, §3.4, §6.5-6.7).
 class Segmentation {
@@ -19,8 +14,8 @@ class Segmentation {
   explicit Segmentation(const SegmentationParameters& parameters = {}) : parameters_(parameters) {}
 
   struct Result {
-    int threshold = 0;        ///< grey levels that the mask was made with
-    float separability = 0;   ///< between-class share of the variance, 0..1
+    int threshold = 0;       ///< grey levels that the mask was made with
+    float separability = 0;  ///< between-class share of the variance, 0..1
   };
   /// difference, valid (255 or 0) in; mask (mask::floor, unseen, obstacle) out; all W x H.
   Result process(GrayView difference, GrayView valid, GrayBuffer obstacle_mask);
@@ -33,7 +28,8 @@ class Segmentation {
 
  private:
   SegmentationParameters parameters_;
-  Image<std::uint8_t> blurred_, blurred_valid_, binary_;
+  Gaussian gaussian_;
+  Image<std::uint8_t> blurred_, blurred_valid_, binary_, eroded_;
   int threshold_ = 255;
   bool has_threshold_ = false;
 };

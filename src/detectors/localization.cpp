@@ -1,0 +1,153 @@
+#include "ipm_mapping/detectors/localization.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ipm_mapping/stages/obstacle_mask.hpp"
+
+namespace ipm_mapping {
+namespace {
+
+using Floor = LocalizationFloor;
+
+/// The stretch of floor that one line sees within the range that is looked at.
+struct Stretch {
+  int rows = 0;       ///< rows on the floor within range
+  int seen = 0;       ///< of these, seen by both frames
+  double near = 0.0;  ///< metres from the foot: lowest seen row
+  double far = 0.0;   ///< highest row of the unbroken run that starts there
+  Eigen::Vector2d far_point{1.0, 0.0};
+};
+
+Stretch measure(const std::int16_t* column, GrayView obstacle_mask, const Floor& floor,
+                double max_range) {
+  Stretch stretch;
+  bool broken = false;
+  for (int v = obstacle_mask.height - 1; v >= 0; --v) {
+    if (column[v] == PolarBeam::outside) continue;
+    const auto point = floor.at(column[v], v);
+    if (!point || point->norm() > max_range) break;
+    ++stretch.rows;
+    if (obstacle_mask.at(column[v], v) == mask::unseen) {
+      broken = broken || stretch.seen > 0;
+      continue;
+    }
+    const double distance = (*point - floor.foot).norm();
+    if (stretch.seen++ == 0) stretch.near = distance;
+    if (broken) continue;
+    stretch.far = distance;
+    stretch.far_point = *point;
+  }
+  return stretch;
+}
+
+}  // namespace
+
+double effectiveMaxRange(double parameter, const CameraModel& camera,
+                         const CameraPose& T_base_camera) {
+  if (parameter > 0.0) return parameter;
+  const double near = nearestVisibleFloor(camera, T_base_camera);
+  return std::isfinite(near) ? std::max(2.0, 3.0 * near) : 2.0;
+}
+
+Bearing Localization::describeBearing(int line, GrayView obstacle_mask, const Floor& floor,
+                                      double max_range) const {
+  const auto i = static_cast<std::size_t>(line);
+  const std::int16_t* column = beam_.columns(line);
+  const Stretch stretch = measure(column, obstacle_mask, floor, max_range);
+  Bearing bearing;
+  bearing.angle = floor.angle(stretch.far_point);
+  bearing.near = static_cast<float>(stretch.near);
+  bearing.range = static_cast<float>(stretch.far);
+  if (histogram_.seen[i] > 0)
+    bearing.density =
+        static_cast<float>(histogram_.obstacle[i]) / static_cast<float>(histogram_.seen[i]);
+  if (stretch.seen > 0 && stretch.seen >= parameters_.min_floor_share * stretch.rows)
+    bearing.state = BearingState::Free;
+
+  const auto occupy = [&](int u, int v, BearingState state) {
+    const auto p = floor.at(u, v);
+    if (!p || p->norm() > max_range) return;
+    bearing.angle = floor.angle(*p);
+    bearing.range = static_cast<float>((*p - floor.foot).norm());
+    bearing.state = state;
+  };
+  // What stops the line nearer to the robot, a contact or a blob without one, decides.
+  const LineContacts& found = lines_[i];
+  const TriangleContact* contact =
+      found.nearest < 0 ? nullptr : &finder_.contacts()[static_cast<std::size_t>(found.nearest)];
+  if (found.blocked_row >= 0 && (contact == nullptr || found.blocked_row > contact->v))
+    occupy(column[found.blocked_row], found.blocked_row, BearingState::Blocked);
+  else if (contact != nullptr)
+    occupy(contact->u, contact->v, BearingState::Occupied);
+  return bearing;
+}
+
+void Localization::collectCandidates(const Floor& floor, Obstacles& obstacles) const {
+  for (const TriangleContact& c : finder_.contacts()) {
+    const auto p = floor.at(c.u, c.v);
+    if (!p || p->norm() > obstacles.max_range) continue;
+    Contact contact;
+    contact.bearing = c.line;
+    contact.u = static_cast<float>(c.u);
+    contact.v = static_cast<float>(c.v);
+    contact.p_base = p->cast<float>();
+    contact.score = static_cast<float>(c.score);
+    obstacles.candidates.push_back(contact);
+  }
+}
+
+void Localization::selectContacts(Obstacles& obstacles) {
+  // Candidates stand line by line, top to bottom: the last of a line is its nearest.
+  nearest_.clear();
+  for (std::size_t i = 0; i < obstacles.candidates.size(); ++i) {
+    const bool last = i + 1 == obstacles.candidates.size() ||
+                      obstacles.candidates[i + 1].bearing != obstacles.candidates[i].bearing;
+    if (last) nearest_.push_back(static_cast<int>(i));
+  }
+  if (parameters_.selection == Selection::EveryBearing) {
+    for (const int i : nearest_)
+      obstacles.contacts.push_back(obstacles.candidates[static_cast<std::size_t>(i)]);
+    return;
+  }
+  selection_.clear();
+  for (const int i : nearest_) {
+    const Contact& c = obstacles.candidates[static_cast<std::size_t>(i)];
+    selection_.push_back({c.bearing, c.p_base.norm()});
+  }
+  ipm_mapping::selectContacts(peaks_, selection_, parameters_.bearing_tolerance, chosen_);
+  for (const int k : chosen_) {
+    const int i = nearest_[static_cast<std::size_t>(k)];
+    obstacles.contacts.push_back(obstacles.candidates[static_cast<std::size_t>(i)]);
+  }
+}
+
+FrameStatus Localization::process(const GroundView& view, GrayView obstacle_mask,
+                                  Obstacles& obstacles) {
+  obstacles.bearings.clear();
+  obstacles.contacts.clear();
+  obstacles.candidates.clear();
+  obstacles.view = view;
+  obstacles.max_range = effectiveMaxRange(parameters_.max_range, view.camera, view.T_base_camera);
+
+  const VanishingPoints points = vanishingPoints(view);  // eq. 5.5
+  obstacles.focus =
+      parameters_.mean_pixel_focus ? meanPixelFocus(points) : midFootFocus(points);  // eq. 6.9
+  if (!beam_.aim(obstacles.focus, obstacle_mask.width, obstacle_mask.height, parameters_.n_lines,
+                 parameters_.beam))
+    return FrameStatus::FocusUnusable;
+
+  histogram_.count(beam_, obstacle_mask);                                // §5.2
+  finder_.find(beam_, obstacle_mask, parameters_, lines_);               // §5.3
+  findPeaks(histogram_.obstacle, parameters_.single_bin_peaks, peaks_);  // §3.7
+  groupPeaks(histogram_.obstacle, parameters_.free_space_rule, parameters_.valley_threshold,
+             peaks_);
+  const Floor floor{view.currentFloor(), view.cameraFoot()};
+  for (int line = 0; line < beam_.lines(); ++line)
+    obstacles.bearings.push_back(describeBearing(line, obstacle_mask, floor, obstacles.max_range));
+  collectCandidates(floor, obstacles);  // eq. 5.18
+  selectContacts(obstacles);            // §5.4.1
+  return FrameStatus::Used;
+}
+
+}  // namespace ipm_mapping

@@ -1,0 +1,16 @@
+#include "ipm_mapping/detectors/pipeline.hpp"
+
+#include "ipm_mapping/detectors/chain_detector.hpp"
+
+namespace ipm_mapping {
+
+std::unique_ptr<Detector> makeDetector(const Parameters& parameters) {
+  parameters.validate();
+  switch (parameters.detector.kind) {
+    case DetectorKind::Chain:
+      return std::make_unique<ChainDetector>(parameters);
+  }
+  return nullptr;
+}
+
+}  // namespace ipm_mapping
