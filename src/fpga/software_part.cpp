@@ -47,8 +47,8 @@ bool SoftwarePart::ignoresTangential(const CameraModel& camera) {
   return camera.distortion().p1 != 0.0 || camera.distortion().p2 != 0.0;
 }
 
-Setup SoftwarePart::setup(const GroundView& view, std::uint8_t threshold_in) const {
-  Setup out;
+FrameSetup SoftwarePart::setup(const GroundView& view, std::uint8_t threshold_in) const {
+  FrameSetup out;
   out.parameters = registers_;
   out.parameters.threshold_in = threshold_in;
   const auto homography = quantiseHomography(view);

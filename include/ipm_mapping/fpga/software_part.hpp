@@ -13,7 +13,7 @@ namespace ipm_mapping::fpga {
 enum class SetupStatus : std::uint8_t { Ok, HomographyUnusable, FocusUnusable };
 
 /// How one frame's registers were found.
-struct Setup {
+struct FrameSetup {
   SetupStatus status = SetupStatus::HomographyUnusable;
   FrameParameters parameters;  ///< valid when the status is Ok
   Focus focus;                 ///< before quantisation
@@ -31,7 +31,7 @@ class SoftwarePart {
   [[nodiscard]] static bool ignoresTangential(const CameraModel& camera);
 
   /// Registers for the frame pair of `view`, whose camera is the one of setCamera().
-  [[nodiscard]] Setup setup(const GroundView& view, std::uint8_t threshold_in) const;
+  [[nodiscard]] FrameSetup setup(const GroundView& view, std::uint8_t threshold_in) const;
 
  private:
   FpgaParameters parameters_;
