@@ -62,4 +62,27 @@ struct FpgaParameters {
   }
 };
 
+/// Clock and blanking of the cycle model (docs/fpga.md).
+struct FpgaClockParameters {
+  double pixel_clock = 62.36e6;
+  int line_blanking = 0;
+  int frame_blanking = 0;
+  double matrix_time = 129e-6;
+  double point_time = 56e-6;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& field) {
+    field("pixel_clock", self.pixel_clock, Unit{"Hz"}, Range{1e5, 1e9},
+          "clock of sensor and datapath, one pixel a cycle (the source's 203 fps imply 62.36 MHz)");
+    field("line_blanking", self.line_blanking, Unit{"cycles"}, Range{0, 100000},
+          "pause after every row");
+    field("frame_blanking", self.frame_blanking, Unit{"cycles"}, Range{0, 100000000},
+          "pause after the last row's own");
+    field("matrix_time", self.matrix_time, Unit{"s"}, Range{0.0, 1.0},
+          "software: motion and homography (table 6.1: 55 + 74 us)");
+    field("point_time", self.point_time, Unit{"s"}, Range{0.0, 1.0},
+          "software: one contact point into the map (§6.10.2)");
+  }
+};
+
 }  // namespace ipm_mapping
