@@ -1,7 +1,10 @@
 #include "ipm_mapping/fpga/datapath.hpp"
 
+#include <algorithm>
+
 #include "ipm_mapping/fpga/difference.hpp"
 #include "ipm_mapping/fpga/erosion.hpp"
+#include "ipm_mapping/fpga/fast_engine.hpp"
 #include "ipm_mapping/fpga/gaussian.hpp"
 
 namespace ipm_mapping::fpga {
@@ -9,6 +12,10 @@ namespace ipm_mapping::fpga {
 struct Datapath::Workspace {
   Image<TaggedPixel> difference, gaussian;
   Image<std::uint8_t> mask, eroded;
+  FastEngine fast;
+
+  explicit Workspace(const FastKernels& kernels) : fast(kernels) {}
+  void staged(const FrameInputs& inputs, const WireImages& wanted, Results& results);
 };
 
 namespace {
@@ -38,7 +45,27 @@ bool Results::operator==(const Results& o) const {
          cor == o.cor && peaks == o.peaks && selected == o.selected && overflow == o.overflow;
 }
 
-Datapath::Datapath(Engine engine) : workspace_(std::make_unique<Workspace>()), engine_(engine) {}
+/// The chapter's modules, one after the other.
+void Datapath::Workspace::staged(const FrameInputs& inputs, const WireImages& wanted, Results& r) {
+  const FrameParameters& p = inputs.parameters;
+  const auto difference_image = bufferFor(wanted.difference, difference, p);
+  const auto gaussian_image = bufferFor(wanted.gaussian, gaussian, p);
+  const auto mask_image = bufferFor(wanted.mask, mask, p);
+  const auto eroded_image = bufferFor(wanted.eroded, eroded, p);
+  const int threshold =
+      maskThreshold(static_cast<int>(p.threshold_in), static_cast<int>(p.min_threshold));
+
+  fpga::difference(inputs, difference_image, r.overflow);      // rules 2-7
+  fpga::gaussian(difference_image, gaussian_image);            // rule 8
+  fpga::histogram(gaussian_image, r.histogram);                // rule 9
+  fpga::binarise(gaussian_image, threshold, mask_image);       // rule 9
+  fpga::erosion(mask_image, eroded_image);                     // rule 8
+  fpga::localize(eroded_image, p, r.bear, r.cor, r.overflow);  // rules 11 and 12
+}
+
+Datapath::Datapath(Engine engine) : Datapath(engine, *supportedKernels().back()) {}
+Datapath::Datapath(Engine engine, const FastKernels& kernels)
+    : workspace_(std::make_unique<Workspace>(kernels)), engine_(engine) {}
 Datapath::~Datapath() = default;
 Datapath::Datapath(Datapath&&) noexcept = default;
 Datapath& Datapath::operator=(Datapath&&) noexcept = default;
@@ -48,21 +75,13 @@ bool Datapath::run(const FrameInputs& inputs, const WireImages& wanted) {
   Results& r = results_;
   clear(r, p);
   if (!runnable(inputs)) return false;
-  const auto difference_image = bufferFor(wanted.difference, workspace_->difference, p);
-  const auto gaussian_image = bufferFor(wanted.gaussian, workspace_->gaussian, p);
-  const auto mask = bufferFor(wanted.mask, workspace_->mask, p);
-  const auto eroded = bufferFor(wanted.eroded, workspace_->eroded, p);
-
-  difference(inputs, difference_image, r.overflow);  // rules 2-7
-  gaussian(difference_image, gaussian_image);        // rule 8
-  histogram(gaussian_image, r.histogram);            // rule 9
-  r.threshold_out = otsuThreshold(r.histogram).value_or(r.threshold_out);
-  binarise(gaussian_image,
-           maskThreshold(static_cast<int>(p.threshold_in), static_cast<int>(p.min_threshold)),
-           mask);
-  erosion(mask, eroded);                           // rule 8
-  localize(eroded, p, r.bear, r.cor, r.overflow);  // rules 11, 12
-  freeSpace(r.bear, p, r.peaks, r.overflow);       // rule 14
+  if (engine_ == Engine::Fast && std::min(p.width, p.height) >= FastEngine::smallest_side) {
+    workspace_->fast.run(inputs, wanted, r);
+  } else {
+    workspace_->staged(inputs, wanted, r);
+  }
+  r.threshold_out = otsuThreshold(r.histogram).value_or(r.threshold_out);             // rule 9
+  freeSpace(r.bear, p, r.peaks, r.overflow);                                          // rule 14
   selectContacts(r.cor, r.peaks, static_cast<int>(p.bearing_tolerance), r.selected);  // rule 15
   return true;
 }

@@ -13,6 +13,8 @@
 
 namespace ipm_mapping::fpga {
 
+struct FastKernels;
+
 /// Everything a frame leaves in registers and arrays (rule 13: cleared at frame start).
 struct Results {
   GreyHistogram histogram{};
@@ -42,6 +44,8 @@ enum class Engine : std::uint8_t { Staged, Fast };
 class Datapath {
  public:
   explicit Datapath(Engine engine = Engine::Fast);
+  /// Fast kernels of a chosen instruction set (fast_kernels.hpp); the default takes the best.
+  Datapath(Engine engine, const FastKernels& kernels);
   ~Datapath();
   Datapath(Datapath&&) noexcept;
   Datapath& operator=(Datapath&&) noexcept;
