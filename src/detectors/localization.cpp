@@ -137,8 +137,17 @@ FrameStatus Localization::process(const GroundView& view, GrayView obstacle_mask
                  parameters_.beam))
     return FrameStatus::FocusUnusable;
 
-  histogram_.count(beam_, obstacle_mask);                                // §5.2
-  finder_.find(beam_, obstacle_mask, parameters_, lines_);               // §5.3
+  const auto n_lines = static_cast<std::size_t>(beam_.lines());
+  obstacles.bearings.reserve(n_lines);
+  obstacles.contacts.reserve(n_lines);
+  peaks_.reserve(n_lines);
+  nearest_.reserve(n_lines);
+  chosen_.reserve(n_lines);
+  selection_.reserve(n_lines);
+
+  histogram_.count(beam_, obstacle_mask);                   // §5.2
+  finder_.find(beam_, obstacle_mask, parameters_, lines_);  // §5.3
+  obstacles.candidates.reserve(finder_.most());
   findPeaks(histogram_.obstacle, parameters_.single_bin_peaks, peaks_);  // §3.7
   groupPeaks(histogram_.obstacle, parameters_.free_space_rule, parameters_.valley_threshold,
              peaks_);
