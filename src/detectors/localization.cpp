@@ -106,8 +106,12 @@ void Localization::selectContacts(Obstacles& obstacles) {
     if (last) nearest_.push_back(static_cast<int>(i));
   }
   if (parameters_.selection == Selection::EveryBearing) {
-    for (const int i : nearest_)
-      obstacles.contacts.push_back(obstacles.candidates[static_cast<std::size_t>(i)]);
+    // A contact behind a blob without one is not what stops the bearing.
+    for (const int i : nearest_) {
+      const Contact& contact = obstacles.candidates[static_cast<std::size_t>(i)];
+      const Bearing& bearing = obstacles.bearings[static_cast<std::size_t>(contact.bearing)];
+      if (bearing.state == BearingState::Occupied) obstacles.contacts.push_back(contact);
+    }
     return;
   }
   selection_.clear();
