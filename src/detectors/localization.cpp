@@ -54,8 +54,12 @@ void Localization::selectContacts(Obstacles& obstacles) {
     if (last) nearest_.push_back(static_cast<int>(i));
   }
   if (parameters_.selection == Selection::EveryBearing) {
-    for (const int i : nearest_)
-      obstacles.contacts.push_back(obstacles.candidates[static_cast<std::size_t>(i)]);
+    // A contact behind a blob without one is not what stops the bearing.
+    for (const int i : nearest_) {
+      const Contact& contact = obstacles.candidates[static_cast<std::size_t>(i)];
+      const Bearing& bearing = obstacles.bearings[static_cast<std::size_t>(contact.bearing)];
+      if (bearing.state == BearingState::Occupied) obstacles.contacts.push_back(contact);
+    }
     return;
   }
   selection_.clear();
@@ -85,8 +89,17 @@ FrameStatus Localization::process(const GroundView& view, GrayView obstacle_mask
                  parameters_.beam))
     return FrameStatus::FocusUnusable;
 
-  histogram_.count(beam_, obstacle_mask);                                // §5.2
-  finder_.find(beam_, obstacle_mask, parameters_, lines_);               // §5.3
+  const auto n_lines = static_cast<std::size_t>(beam_.lines());
+  obstacles.bearings.reserve(n_lines);
+  obstacles.contacts.reserve(n_lines);
+  peaks_.reserve(n_lines);
+  nearest_.reserve(n_lines);
+  chosen_.reserve(n_lines);
+  selection_.reserve(n_lines);
+
+  histogram_.count(beam_, obstacle_mask);                   // §5.2
+  finder_.find(beam_, obstacle_mask, parameters_, lines_);  // §5.3
+  obstacles.candidates.reserve(finder_.most());
   findPeaks(histogram_.obstacle, parameters_.single_bin_peaks, peaks_);  // §3.7
   groupPeaks(histogram_.obstacle, parameters_.free_space_rule, parameters_.valley_threshold,
              peaks_);
