@@ -28,13 +28,18 @@ Parameters paperProfile() {
 }  // namespace
 
 const std::vector<std::string>& Parameters::profileNames() {
-  static const std::vector<std::string> names{"default", "paper"};
+  static const std::vector<std::string> names{"default", "paper", "first_architecture"};
   return names;
 }
 
 Parameters Parameters::profile(const std::string& name) {
   if (name == "default") return Parameters{};
   if (name == "paper") return paperProfile();
+  if (name == "first_architecture") {
+    Parameters p = paperProfile();
+    p.detector.kind = DetectorKind::FirstArchitecture;
+    return p;
+  }
   std::string known;
   for (const std::string& each : profileNames()) known += (known.empty() ? "" : ", ") + each;
   throw ParameterError("profile '" + name + "' is not known; there are: " + known);

@@ -139,7 +139,7 @@ void OfflineRun::process(const FrameGate<std::pair<std::uint64_t, GrayPicture>>:
     report_.contacts += obstacles_.contacts.size();
   }
   report_.processing_seconds += secondsSince(start);
-  if (status == FrameStatus::Used && observers.used) observers.used(obstacles_, *detector_);
+  if (status == FrameStatus::Used && observers.used) observers.used(obstacles_, picture.view);
 }
 
 void OfflineRun::processReady(const Observers& observers) {
@@ -159,6 +159,9 @@ void OfflineRun::run(const Observers& observers) {
              },
              observers.progress});
   gate_.finish();
+  // A run that found nothing still has a map: all of it unknown.
+  if (map_.geometry().empty())
+    map_.include(trajectory_.empty() ? Eigen::Vector2d::Zero() : trajectory_.front().translation());
   for (int i = 0; i < gate_drop_count; ++i)
     report_.gate_drops[static_cast<std::size_t>(i)] = gate_.dropped(static_cast<GateDrop>(i));
   report_.wall_seconds = secondsSince(start);
