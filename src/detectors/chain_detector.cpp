@@ -1,13 +1,20 @@
 #include "ipm_mapping/detectors/chain_detector.hpp"
 
+#include "ipm_mapping/detectors/birds_eye_localization.hpp"
 #include "ipm_mapping/stopwatch.hpp"
 
 namespace ipm_mapping {
 
 ChainDetector::ChainDetector(const Parameters& parameters)
-    : ipm_(parameters.reference),
-      segmentation_(parameters.segmentation),
-      localization_(parameters.localization) {}
+    : ipm_(parameters.reference), segmentation_(parameters.segmentation), id_("chain") {
+  if (parameters.detector.kind == DetectorKind::FirstArchitecture) {
+    id_ = "first_architecture";
+    locator_ =
+        std::make_unique<BirdsEyeLocalization>(parameters.birds_eye, parameters.localization);
+  } else {
+    locator_ = std::make_unique<Localization>(parameters.localization);
+  }
+}
 
 void ChainDetector::setCamera(const CameraModel& camera, const CameraPose& T_base_camera) {
   ipm_.setCamera(camera, T_base_camera);
@@ -35,7 +42,7 @@ FrameStatus ChainDetector::process(const Frame& frame, Obstacles& obstacles) {
     obstacles.separability = segmented.separability;
     watch.lap("segmentation");
     const GroundView view = obstacles.view;
-    status = localization_.process(view, mask_.view(), obstacles);
+    status = locator_->process(view, mask_.view(), obstacles);
     watch.lap("localization");
   }
   ipm_.remember();

@@ -28,16 +28,33 @@ Parameters paperProfile() {
 }  // namespace
 
 const std::vector<std::string>& Parameters::profileNames() {
-  static const std::vector<std::string> names{"default", "paper"};
+  static const std::vector<std::string> names{"default", "paper", "first_architecture"};
   return names;
 }
 
 Parameters Parameters::profile(const std::string& name) {
   if (name == "default") return Parameters{};
   if (name == "paper") return paperProfile();
+  if (name == "first_architecture") {
+    Parameters p = paperProfile();
+    p.detector.kind = DetectorKind::FirstArchitecture;
+    return p;
+  }
   std::string known;
   for (const std::string& each : profileNames()) known += (known.empty() ? "" : ", ") + each;
   throw ParameterError("profile '" + name + "' is not known; there are: " + known);
+}
+
+void Parameters::set(const std::string& group_and_field, const std::string& text) {
+  bool found = false;
+  groups(*this, [&](const std::string& group, auto& fields) {
+    forEachField(fields, [&](const std::string& field, auto& value, Unit, Range, const char*) {
+      if (group + "/" + field != group_and_field) return;
+      setFromText(group_and_field, text, value);
+      found = true;
+    });
+  });
+  if (!found) throw ParameterError("there is no parameter '" + group_and_field + "'");
 }
 
 void Parameters::validate() const {

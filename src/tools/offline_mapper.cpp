@@ -4,17 +4,20 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
 
-#include "ipm_mapping/io/parameters_yaml.hpp"
 #include "ipm_mapping/io/run_files.hpp"
 #include "ipm_mapping/mapping/map_io.hpp"
 #include "ipm_mapping/ros/offline_run.hpp"
 #include "ipm_mapping/ros/report_json.hpp"
+#include "ipm_mapping/view/map_picture.hpp"
+#include "ipm_mapping/view/overlay.hpp"
 
 namespace {
 
@@ -50,8 +53,13 @@ void declare(CLI::App& app, Arguments& a) {
 }
 
 void settle(Arguments& a) {
-  a.options.parameters = loadProfile(a.profile);
-  for (const std::string& setting : a.settings) setParameter(a.options.parameters, setting);
+  a.options.parameters = Parameters::profile(a.profile);
+  for (const std::string& setting : a.settings) {
+    const auto equals = setting.find('=');
+    if (equals == std::string::npos)
+      throw ParameterError("--set " + setting + ": write GROUP/NAME=VALUE");
+    a.options.parameters.set(setting.substr(0, equals), setting.substr(equals + 1));
+  }
   a.options.parameters.validate();
   if (!a.camera_pose.empty())
     a.options.camera_pose = {a.camera_pose[0], a.camera_pose[1], a.camera_pose[2],
@@ -67,7 +75,8 @@ void showProgress(double share) {
   shown = percent;
   constexpr int width = 40;
   const int filled = percent * width / 100;
-  std::fprintf(stderr, "\r[%s%s] %3d %%%s", std::string(static_cast<std::size_t>(filled), '#').c_str(),
+  std::fprintf(stderr, "\r[%s%s] %3d %%%s",
+               std::string(static_cast<std::size_t>(filled), '#').c_str(),
                std::string(static_cast<std::size_t>(width - filled), '.').c_str(), percent,
                percent == 100 ? "\n" : "");
 }
@@ -85,8 +94,14 @@ void summarize(const OfflineRun& run, const std::string& out) {
   std::printf("%llu frames read, %llu used, %llu contacts, %.2f ms a used frame\n",
               static_cast<unsigned long long>(r.images), static_cast<unsigned long long>(r.used()),
               static_cast<unsigned long long>(r.contacts), ms);
-  std::printf("results in %s: map.png, overlay.png, map.pgm, map.yaml, points.csv, obstacles.csv, "
-              "report.json\n", out.c_str());
+  std::printf(
+      "results in %s: map.png, overlay.png, map.pgm, map.yaml, points.csv, obstacles.csv, "
+      "report.json\n",
+      out.c_str());
+}
+
+void writePicture(const std::string& path, const cv::Mat& picture) {
+  if (!cv::imwrite(path, picture)) throw std::runtime_error("cannot write '" + path + "'");
 }
 
 /// An input that gave nothing to work on is an error; a robot that never moved is not.
@@ -95,9 +110,57 @@ void requireImages(const RunReport& report) {
   if (report.unusable_images == report.images) throw BagError(report.first_refusal);
   const auto status = [&](FrameStatus s) { return report.frames[static_cast<std::size_t>(s)]; };
   if (status(FrameStatus::SizeMismatch) > 0 && report.used() == 0)
-    throw BagError("images are not of the calibrated size; give the right calibration with "
-                   "--camera-info FILE.yaml");
+    throw BagError(
+        "images are not of the calibrated size; give the right calibration with "
+        "--camera-info FILE.yaml");
   if (report.odometry.empty()) throw BagError("the odometry topic has no messages");
+}
+
+/// The most telling frame of the run: the one with the most contacts.
+class OverlayFrame {
+ public:
+  void offer(const Obstacles& obstacles, GrayView raw) {
+    if (!picture_.empty() && obstacles.contacts.size() <= obstacles_.contacts.size()) return;
+    obstacles_ = obstacles;
+    picture_.ensure(raw.width, raw.height);
+    for (int v = 0; v < raw.height; ++v) std::copy_n(raw.row(v), raw.width, picture_.row(v));
+  }
+  void write(const std::string& path) const {
+    if (!picture_.empty()) writePicture(path, drawOverlay(picture_.view(), obstacles_));
+  }
+
+ private:
+  Obstacles obstacles_;
+  Image<std::uint8_t> picture_;
+};
+
+/// Outlines of a truth.json.
+std::vector<Outline> readTruth(const std::string& path) {
+  std::vector<Outline> outlines;
+  if (path.empty()) return outlines;
+  std::ifstream file(path);
+  if (!file) throw BagError("cannot read '" + path + "'");
+  try {
+    const auto truth = nlohmann::json::parse(file);
+    for (const auto& footprint : truth.at("footprints")) {
+      Outline outline;
+      outline.closed = footprint.contains("polygon");
+      for (const auto& point : footprint.at(outline.closed ? "polygon" : "polyline"))
+        outline.points.emplace_back(point.at(0).get<double>(), point.at(1).get<double>());
+      outlines.push_back(std::move(outline));
+    }
+  } catch (const nlohmann::json::exception& error) {
+    throw BagError("'" + path + "' is not a truth file: " + error.what());
+  }
+  return outlines;
+}
+
+void writeMap(const OfflineRun& run, const Arguments& a) {
+  TrinaryMap map;
+  run.map().copyTo(map);
+  if (const auto error = saveMap(map, a.out + "/map")) throw std::runtime_error(*error);
+  const std::string title = std::filesystem::path(a.options.bag).stem().string();
+  writePicture(a.out + "/map.png", drawMap(map, {title, run.trajectory(), readTruth(a.truth)}));
 }
 
 void runOn(Arguments& a) {
@@ -106,13 +169,16 @@ void runOn(Arguments& a) {
   std::filesystem::create_directories(a.out);
   RunFiles files(a.out);
   OfflineRun run(bag, camera, a.options.parameters);
-  run.run({[&](const Obstacles& obstacles, const Detector&) { files.add(obstacles); },
+  OverlayFrame overlay;
+  run.run({[&](const Obstacles& obstacles, GrayView raw) {
+             files.add(obstacles);
+             overlay.offer(obstacles, raw);
+           },
            showProgress});
   requireImages(run.report());
   files.finish();
-  TrinaryMap map;
-  run.map().copyTo(map);
-  if (const auto error = saveMap(map, a.out + "/map")) throw std::runtime_error(*error);
+  writeMap(run, a);
+  overlay.write(a.out + "/overlay.png");
   writeText(a.out + "/report.json", reportJson(run, bag, camera, a.options, a.profile));
   summarize(run, a.out);
 }

@@ -26,15 +26,24 @@ struct LocalizationFloor {
   }
 };
 
+/// Third link of a chain: obstacle mask in, obstacles out.
+class Locator {
+ public:
+  virtual ~Locator() = default;
+  /// mask: W x H of the view's camera. Fills everything of `obstacles` but `frame`, `separability`
+  /// and `threshold`.
+  virtual FrameStatus process(const GroundView& view, GrayView obstacle_mask,
+                              Obstacles& obstacles) = 0;
+};
+
 /// Third link of the chain: polar histogram, contact points, free space, selection (the source,
 /// §5.2-5.4, §6.8-6.10).
-class Localization {
+class Localization : public Locator {
  public:
   explicit Localization(const LocalizationParameters& parameters = {}) : parameters_(parameters) {}
 
-  /// mask: W x H of the view's camera. Fills everything of `obstacles` but `frame`, `separability`
-  /// and `threshold`.
-  FrameStatus process(const GroundView& view, GrayView obstacle_mask, Obstacles& obstacles);
+  FrameStatus process(const GroundView& view, GrayView obstacle_mask,
+                      Obstacles& obstacles) override;
   void setParameters(const LocalizationParameters& parameters) { parameters_ = parameters; }
 
   /// The beam of the last process(): for pictures.

@@ -27,7 +27,7 @@ struct RunCamera {
 struct OfflineOptions {
   std::string bag;
   BagTopics topics;
-  std::string calibration_file;                 ///< overrides the bag's camera_info
+  std::string calibration_file;                      ///< overrides the bag's camera_info
   std::optional<std::array<double, 4>> camera_pose;  ///< x, y, z (m), pitch (rad): overrides tf
   Parameters parameters;
 };
@@ -70,8 +70,8 @@ class OfflineRun {
   ~OfflineRun();
 
   struct Observers {
-    /// After every used frame; the detector's pictures are those of this frame.
-    std::function<void(const Obstacles&, const Detector&)> used;
+    /// After every used frame, with the raw picture.
+    std::function<void(const Obstacles&, GrayView raw)> used;
     std::function<void(double share)> progress;  ///< 0..1
   };
   void run(const Observers& observers);
