@@ -41,7 +41,8 @@ void addModules(List& list, const FpgaClockParameters& clock) {
   list.push_back({"homography and lens", "§6.2.2", "cycles", homography, 85, "43 + 42"});
   list.push_back({"homography and lens", "table 6.2", "µs", homography * us, 1.383,
                   "the source's 1.383 µs imply 61.45 MHz"});
-  list.push_back({"frame rate", "table 6.2", "Hz", clock.pixel_clock / static_cast<double>(vga.frame()), 200, ""});
+  list.push_back({"frame rate", "table 6.2", "Hz",
+                  clock.pixel_clock / static_cast<double>(vga.frame()), 200, ""});
   const double birds_eye = static_cast<double>(birdsEyeFill(vga, buffered_rows));
   list.push_back({"bird's-eye view", "§6.3.1", "cycles", birds_eye, 122287,
                   "slip: 90 rows of 640 are 57,600 cycles"});

@@ -121,24 +121,25 @@ void FastEngine::startBeam() {
   }
 }
 
-/// Rules 3-5: offsets_ of the reference stream.
+/// Rules 3-5: offsets_ and validity of the reference stream.
 void FastEngine::warpRow(int v) {
   const FrameParameters& p = inputs_->parameters;
+  const HomographyRow h = homographyRow(p, v);
+  const AddressConstants address{
+      width_, height_, static_cast<std::int32_t>(inputs_->reference.stride), nearWriteBelow(p, v)};
+  std::uint8_t* valid = valid_[v % 3];
+  std::int64_t near_write = 0;
   if (p.paper_order) {
     lens_map_.coordinates(v, coordinates_);
-    const HomographyRow h = homographyRow(p, v);
     for (int u = 0; u < width_; ++u) {
       if (h.horizon + h.horizon_step * u <= 0) coordinates_.valid[u] = 0;
     }
     kernels_->wide_homography(wideHomography(p), width_, coordinates_);
+    near_write = kernels_->address(address, coordinates_, offsets_, valid);
   } else {
-    kernels_->homography(homographyRow(p, v), width_, coordinates_);
-    kernels_->lens(lens_, width_, coordinates_, lens_counts_);
+    near_write = kernels_->warp(h, lens_, address, coordinates_, offsets_, valid, lens_counts_);
   }
-  const AddressConstants address{
-      width_, height_, static_cast<std::int32_t>(inputs_->reference.stride), nearWriteBelow(p, v)};
-  results_->overflow[Wire::ReadWrite] +=
-      static_cast<std::uint64_t>(kernels_->address(address, width_, coordinates_, offsets_));
+  results_->overflow[Wire::ReadWrite] += static_cast<std::uint64_t>(near_write);
 }
 
 /// Rules 6 and 7.
@@ -195,22 +196,8 @@ void FastEngine::erode(int v) {
 void FastEngine::erodedRow(int v, const BitRow& bits) {
   if (!wanted_->eroded.empty()) spread(bits, wanted_->eroded.row(v), width_);
   if (v >= beam_rows_) return;
-  extractWindows(bits);
   results_->overflow[Wire::BeamD] +=
-      static_cast<std::uint64_t>(kernels_->localize(machine_, v, lines_));
-}
-
-/// Eleven bits around each line's column; far outside the image there are zeros.
-void FastEngine::extractWindows(const BitRow& bits) {
-  constexpr int outside = 32;
-  const auto* bytes = reinterpret_cast<const unsigned char*>(bits.words);
-  for (int i = 0; i < line_count; ++i) {
-    const int u = std::clamp(lines_.u[i], -outside, max_width + outside);
-    const int first = u - window_half_width + 64;
-    std::uint32_t word;
-    std::memcpy(&word, bytes + first / 8, sizeof word);
-    lines_.window[i] = static_cast<std::int32_t>(word >> (first % 8) & 0x7ff);
-  }
+      static_cast<std::uint64_t>(kernels_->localize(machine_, v, bits, lines_));
 }
 
 void FastEngine::finishBeam() {

@@ -7,12 +7,12 @@
 
 namespace ipm_mapping::fpga::body {
 
+/// valid: of the reference on entry, of both streams on return.
 FPGA_INLINE void difference(const std::uint8_t* reference, const std::int32_t* offsets,
                             const std::uint8_t* current, const std::uint8_t* current_valid,
                             int width, std::uint8_t* out, std::uint8_t* valid) {
   alignas(64) std::uint8_t sampled[row_capacity];
-  for (int u = 0; u < width; ++u) sampled[u] = reference[std::max(offsets[u], 0)];
-  for (int u = 0; u < width; ++u) valid[u] = offsets[u] >= 0 ? 255 : 0;
+  for (int u = 0; u < width; ++u) sampled[u] = reference[offsets[u]];
   for (int u = 0; u < width; ++u) {
     const std::uint8_t a = sampled[u], b = current[u];
     const auto d = static_cast<std::uint8_t>(a > b ? a - b : b - a);
@@ -94,8 +94,25 @@ FPGA_INLINE void contactStep(const MachineConstants& c, int v, LineRegisters& r,
   r.bear[i] += pixel ? 1 : 0;
 }
 
-FPGA_INLINE std::int64_t localize(const MachineConstants& c, int v, LineRegisters& r) {
+/// Columns this far outside the image read nothing but zeros.
+constexpr int outside = 32;
+
+/// Eleven bits around each line's column.
+FPGA_INLINE void extractWindows(const BitRow& bits, LineRegisters& r) {
+  const auto* bytes = reinterpret_cast<const unsigned char*>(bits.words);
+  for (int i = 0; i < line_count; ++i) {
+    const int u = std::min(std::max(r.u[i], -outside), max_width + outside);
+    const int first = u - window_half_width + 64;
+    std::uint32_t word;
+    std::memcpy(&word, bytes + first / 8, sizeof word);
+    r.window[i] = static_cast<std::int32_t>(word >> (first % 8) & 0x7ff);
+  }
+}
+
+FPGA_INLINE std::int64_t localize(const MachineConstants& c, int v, const BitRow& bits,
+                                  LineRegisters& r) {
   std::int32_t saturated = 0;
+  extractWindows(bits, r);
   for (int i = 0; i < line_count; ++i) contactStep(c, v, r, i);
   for (int i = 0; i < line_count; ++i) {
     const bool steps = r.d[i] > 0;

@@ -151,18 +151,31 @@ FPGA_INLINE void lens(const LensConstants& c, int width, CoordinateRow& row, Len
   }
 }
 
-FPGA_INLINE std::int64_t address(const AddressConstants& c, int width, const CoordinateRow& row,
-                                 std::int32_t* offsets) {
+/// Rule 5. Pixels without an address get offset 0.
+FPGA_INLINE std::int64_t address(const AddressConstants& c, const CoordinateRow& row,
+                                 std::int32_t* offsets, std::uint8_t* valid_bytes) {
   std::int32_t near_write = 0;
-  for (int u = 0; u < width; ++u) {
+  for (int u = 0; u < c.width; ++u) {
     const std::int32_t ui = (row.x[u] + 32) >> 6;
     const std::int32_t vi = (row.y[u] + 32) >> 6;
     const std::int32_t valid = row.valid[u] & maskOf(ui >= 0) & maskOf(ui < c.width) &
                                maskOf(vi >= 0) & maskOf(vi < c.height);
-    offsets[u] = valid ? vi * c.stride + ui : -1;
+    offsets[u] = valid & (static_cast<std::int32_t>(static_cast<std::uint32_t>(vi) *
+                                                        static_cast<std::uint32_t>(c.stride) +
+                                                    static_cast<std::uint32_t>(ui)));
+    valid_bytes[u] = static_cast<std::uint8_t>(valid);
     near_write += valid & (vi < c.near_write_below ? 1 : 0);
   }
   return near_write;
+}
+
+/// Rules 3-5 of a row.
+FPGA_INLINE std::int64_t warp(const HomographyRow& h, const LensConstants& l,
+                              const AddressConstants& a, CoordinateRow& scratch,
+                              std::int32_t* offsets, std::uint8_t* valid, LensCounts& counts) {
+  homography(h, a.width, scratch);
+  lens(l, a.width, scratch, counts);
+  return address(a, scratch, offsets, valid);
 }
 
 }  // namespace ipm_mapping::fpga::body

@@ -92,24 +92,23 @@ void LensMap::makeRow(const FrameParameters& p, std::ptrdiff_t stride, int v,
   alignas(64) std::int32_t offsets[row_capacity];
   const AddressConstants address{width, static_cast<std::int32_t>(p.height),
                                  static_cast<std::int32_t>(stride), INT32_MIN};
-  kernels.address(address, width, row_, offsets);
-  appendRuns(offsets, width);
+  kernels.address(address, row_, offsets, valid_.row(v));
+  appendRuns(offsets, valid_.row(v), width);
   for (int u = 0; u < width; ++u) {
     const std::int32_t x = row_.x[u], y = row_.y[u];
     const bool fits = row_.valid[u] && x >= formats::ViewCoordinate::lowest() &&
                       x <= formats::ViewCoordinate::highest() &&
                       y >= formats::ViewCoordinate::lowest() &&
                       y <= formats::ViewCoordinate::highest();
-    valid_.at(u, v) = offsets[u] >= 0 ? 255 : 0;
     x_.at(u, v) = fits ? x : INT32_MIN;
     y_.at(u, v) = fits ? y : INT32_MIN;
   }
 }
 
-void LensMap::appendRuns(const std::int32_t* offsets, int width) {
+void LensMap::appendRuns(const std::int32_t* offsets, const std::uint8_t* valid, int width) {
   for (int u = 0; u < width; ++u) {
-    if (offsets[u] < 0) continue;
-    const bool continues = u > 0 && offsets[u - 1] >= 0 && offsets[u] == offsets[u - 1] + 1;
+    if (!valid[u]) continue;
+    const bool continues = u > 0 && valid[u - 1] && offsets[u] == offsets[u - 1] + 1;
     if (continues) {
       ++runs_.back().length;
     } else {

@@ -31,7 +31,7 @@ class LensMap {
     std::int16_t target, length;
   };
   void makeRow(const FrameParameters& p, std::ptrdiff_t stride, int v, const FastKernels& kernels);
-  void appendRuns(const std::int32_t* offsets, int width);
+  void appendRuns(const std::int32_t* offsets, const std::uint8_t* valid, int width);
 
   FrameParameters key_;
   std::ptrdiff_t stride_ = -1;
@@ -75,7 +75,6 @@ class FastEngine {
   void maskRow(int v, const std::uint8_t* gaussian);
   void erodedRow(int v, const BitRow& bits);
   void erode(int v);
-  void extractWindows(const BitRow& bits);
   void finishBeam();
 
   const FastKernels* kernels_;

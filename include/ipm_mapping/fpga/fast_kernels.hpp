@@ -76,16 +76,19 @@ inline constexpr std::uint8_t invalid_grey = 255;
 
 struct FastKernels {
   const char* name;
-  /// Rule 3 for u = 0 ... width - 1.
-  void (*homography)(const HomographyRow&, int width, CoordinateRow&);
+  /// Rules 3-5 of a row: offsets into the reference frame (0 where there is none), validity (255
+  /// or 0), saturations of valid pixels. Returns the read_write hits.
+  std::int64_t (*warp)(const HomographyRow&, const LensConstants&, const AddressConstants&,
+                       CoordinateRow& scratch, std::int32_t* offsets, std::uint8_t* valid,
+                       LensCounts&);
   /// Rule 3 in paper_order, in place.
   void (*wide_homography)(const WideHomography&, int width, CoordinateRow&);
   /// Rule 4 in place; counts saturations of valid pixels.
   void (*lens)(const LensConstants&, int width, CoordinateRow&, LensCounts&);
-  /// Rule 5: offsets into a frame, -1 where there is no pixel. Returns the read_write hits.
-  std::int64_t (*address)(const AddressConstants&, int width, const CoordinateRow&,
-                          std::int32_t* offsets);
-  /// Rule 7: differences (0 where invalid) and validity (255 or 0).
+  /// Rule 5 alone, as in warp.
+  std::int64_t (*address)(const AddressConstants&, const CoordinateRow&, std::int32_t* offsets,
+                          std::uint8_t* valid);
+  /// Rule 7: differences, 0 where invalid; valid holds the reference's validity, then both'.
   void (*difference)(const std::uint8_t* reference, const std::int32_t* offsets,
                      const std::uint8_t* current, const std::uint8_t* current_valid, int width,
                      std::uint8_t* out, std::uint8_t* valid);
@@ -94,9 +97,9 @@ struct FastKernels {
                    const std::uint8_t* valid, int width, std::uint8_t* out);
   /// Rule 9: the mask of a row of Gaussian pixels as bits.
   void (*binarise)(const std::uint8_t* gaussian, int threshold, int width, BitRow&);
-  /// Rules 11 and 12: one row for all lines, from the window words; then the Bresenham step.
-  /// Returns the saturations of D.
-  std::int64_t (*localize)(const MachineConstants&, int v, LineRegisters&);
+  /// Rules 11 and 12: an eroded row for all lines, then the Bresenham step. Returns the
+  /// saturations of D.
+  std::int64_t (*localize)(const MachineConstants&, int v, const BitRow& eroded, LineRegisters&);
 };
 
 /// Kernel sets that this processor can run, plainest first.
