@@ -71,6 +71,7 @@ namespace avx2 {
 #define FPGA_ANY(mask) (!_mm256_testz_si256((__m256i)(mask), (__m256i)(mask)))
 #define FPGA_GATHER(base, offsets) \
   ((I32)_mm256_i32gather_epi32(reinterpret_cast<const int*>(base), (__m256i)(offsets), 1))
+#define FPGA_TO_INT(v) ((I32)_mm256_cvttps_epi32((__m256)(v)))
 #include "fast_simd_body.hpp"
 FPGA_COMMON_KERNELS()
 FPGA_KERNEL_SET("avx2");
@@ -78,6 +79,7 @@ FPGA_KERNEL_SET("avx2");
 #undef FPGA_MUL_EVEN
 #undef FPGA_ANY
 #undef FPGA_GATHER
+#undef FPGA_TO_INT
 }  // namespace avx2
 #pragma GCC pop_options
 
@@ -88,6 +90,7 @@ namespace avx512 {
 #define FPGA_MUL_EVEN(a, b) ((U64)_mm512_mul_epi32((__m512i)(a), (__m512i)(b)))
 #define FPGA_ANY(mask) (_mm512_test_epi32_mask((__m512i)(mask), (__m512i)(mask)) != 0)
 #define FPGA_GATHER(base, offsets) ((I32)_mm512_i32gather_epi32((__m512i)(offsets), base, 1))
+#define FPGA_TO_INT(v) ((I32)_mm512_cvttps_epi32((__m512)(v)))
 #include "fast_simd_body.hpp"
 FPGA_COMMON_KERNELS()
 FPGA_KERNEL_SET("avx512");
@@ -95,6 +98,7 @@ FPGA_KERNEL_SET("avx512");
 #undef FPGA_MUL_EVEN
 #undef FPGA_ANY
 #undef FPGA_GATHER
+#undef FPGA_TO_INT
 }  // namespace avx512
 #pragma GCC pop_options
 #pragma GCC diagnostic pop

@@ -5,6 +5,7 @@
 //   FPGA_MUL_EVEN      64-bit products of the signed even 32-bit elements
 //   FPGA_ANY           whether a mask has a set element
 //   FPGA_GATHER        32-bit loads from byte offsets
+//   FPGA_TO_INT        truncation, the lowest integer where it does not fit
 
 constexpr int lanes = FPGA_VECTOR_BYTES / 4;
 typedef std::int32_t I32 __attribute__((vector_size(FPGA_VECTOR_BYTES)));
@@ -31,18 +32,20 @@ FPGA_INLINE I32 columnIndices() {
   return index;
 }
 
-/// body::signedQuotient for a vector.
-FPGA_INLINE I32 quotient(I32 numerator, int shift, I32 divisor, F32 scale, float beyond) {
-  const I32 sign = numerator >> 31;
-  const I32 magnitude = (numerator ^ sign) - sign;
-  const F32 estimate = __builtin_convertvector(magnitude, F32) * scale;
-  const F32 limit = beyond - F32{};
-  I32 q = __builtin_convertvector(estimate < limit ? estimate : limit, I32);
-  const I32 remainder = (I32)(((U32)magnitude << shift) - (U32)q * (U32)divisor);
-  q -= (remainder >= divisor);
-  q += (remainder < 0);
-  return (q ^ sign) - sign;
+/// numerator << shift / divisor, truncated toward 0, exact while the quotient stays below 2^20:
+/// `scale` is a little low, so that the estimate is right or one short in magnitude. Estimates
+/// beyond 32 bits become the lowest integer; all quotients outside 20 bits stay outside.
+FPGA_INLINE I32 quotient(I32 numerator, int shift, I32 divisor, F32 scale) {
+  const I32 q = FPGA_TO_INT(__builtin_convertvector(numerator, F32) * scale);
+  const U32 remainder = ((U32)numerator << shift) - (U32)q * (U32)divisor;
+  const I32 one = (numerator >> 31) | 1;
+  const I32 magnitude = (I32)remainder < 0 ? -(I32)remainder : (I32)remainder;
+  return (I32)((U32)q + (U32)((magnitude >= divisor) & one));
 }
+/// Relative steps below 1 that outweigh the rounding of an estimate: four roundings of 2^-24 in a
+/// view coordinate, three in a normalised one.
+constexpr float view_scale = 64.0F * (1.0F - 0x1p-21F);
+constexpr float normalized_scale = 1.0F - 0x1p-22F;
 
 /// Even and odd elements of the chain of rule 4, as the low halves of 64-bit elements.
 struct Halves {
@@ -65,14 +68,38 @@ struct NormalizedPoint {
   I32 x, y;
 };
 
-/// body::normalized for a vector; count collects -1 for every saturation of a valid element.
-FPGA_INLINE I32 normalizedVector(I32 coordinate, std::int32_t centre, std::int32_t f, float scale,
-                                 I32 valid, I32& count) {
-  const I32 q = quotient(coordinate - centre, 16, all(f), scale - F32{}, body::beyond_normalized);
-  const I32 high = q > 524287 ? all(524287) : q;
-  const I32 limited = high < -524288 ? all(-524288) : high;
-  count += valid & (limited != q);
-  return limited;
+/// What warpRow keeps in registers.
+struct WarpConstants {
+  LensConstants lens;
+  AddressConstants address;
+  F32 x_scale, y_scale;
+};
+
+/// Saturated normalised coordinates of a block in which some leave 20 bits: seldom.
+__attribute__((noinline)) NormalizedPoint saturatedBlock(const LensConstants& c, I32 x, I32 y,
+                                                         I32 valid, LensCounts& counts) {
+  NormalizedPoint out{};
+  for (int i = 0; i < lanes; ++i) {
+    std::int32_t xn = 0, yn = 0;
+    out.x[i] = body::normalized(x[i], c.cx, c.fx, c.x_scale, valid[i], xn);
+    out.y[i] = body::normalized(y[i], c.cy, c.fy, c.y_scale, valid[i], yn);
+    counts.xn += xn;
+    counts.yn += yn;
+  }
+  return out;
+}
+
+/// Rule 4: xn and yn.
+FPGA_INLINE NormalizedPoint normalizedBlock(const WarpConstants& c, I32 x, I32 y, I32 valid,
+                                            LensCounts& counts) {
+  const LensConstants& lens = c.lens;
+  const NormalizedPoint n{quotient(x - lens.cx, 16, all(lens.fx), c.x_scale),
+                          quotient(y - lens.cy, 16, all(lens.fy), c.y_scale)};
+  const I32 outside = ((U32)(n.x + 524288) > 1048575U) | ((U32)(n.y + 524288) > 1048575U);
+  if (__builtin_expect(FPGA_ANY(outside & valid), 0)) {
+    return saturatedBlock(lens, x, y, valid, counts);
+  }
+  return n;
 }
 
 /// Rule 4 behind xn, yn, everything in 32 bits: raw coordinates, and validity.
@@ -91,59 +118,67 @@ FPGA_INLINE NormalizedPoint distorted(const LensConstants& c, NormalizedPoint n,
   return {raw(xn, c.fx, c.cx), raw(yn, c.fy, c.cy)};
 }
 
-struct WarpCounts {
-  I32 xn{}, yn{}, near_write{};
-};
-
 FPGA_INLINE std::int64_t counted(I32 minus_ones) {
   std::int64_t sum = 0;
   for (int i = 0; i < lanes; ++i) sum -= minus_ones[i];
   return sum;
 }
 
+/// Rule 3's sums at a block of columns.
+struct Sums {
+  I32 u, nx, ny, d, horizon;
+};
+
+/// Rules 4 and 5 of a block: offsets; narrows valid.
 template <bool HasK3>
-FPGA_INLINE void warpBlock(const HomographyRow& h, const LensConstants& lens,
-                           const AddressConstants& a, int first, std::int32_t* offsets,
-                           std::uint8_t* valid_bytes, WarpCounts& counts) {
-  const I32 u = columnIndices() + first;
-  const I32 d = h.d + h.d_step * u;
-  I32 valid = (d > 0) & (h.horizon + h.horizon_step * u > 0) & (u < a.width);
-  const I32 divisor = d > 0 ? d : all(1);
-  const F32 scale = 64.0F / __builtin_convertvector(divisor, F32);
-  const I32 x = quotient(h.nx + h.nx_step * u, 6, divisor, scale, body::beyond_view);
-  const I32 y = quotient(h.ny + h.ny_step * u, 6, divisor, scale, body::beyond_view);
-  valid &= (x >= -131072) & (x <= 131071) & (y >= -131072) & (y <= 131071);
-  I32 offset{};
-  if (FPGA_ANY(valid)) {
-    const NormalizedPoint n{normalizedVector(x, lens.cx, lens.fx, lens.x_scale, valid, counts.xn),
-                            normalizedVector(y, lens.cy, lens.fy, lens.y_scale, valid, counts.yn)};
-    const NormalizedPoint raw = distorted<HasK3>(lens, n, valid);
-    const I32 ui = (raw.x + 32) >> 6, vi = (raw.y + 32) >> 6;
-    valid &= ((U32)ui < (std::uint32_t)a.width) & ((U32)vi < (std::uint32_t)a.height);
-    counts.near_write += valid & (vi < a.near_write_below);
-    offset = valid & (vi * a.stride + ui);
-  }
-  storeVector(offsets + first, offset);
-  storeVector(valid_bytes + first, __builtin_convertvector(valid, U8));
+FPGA_INLINE I32 lensBlock(const WarpConstants& c, I32 x, I32 y, I32& valid, I32& near_write,
+                          LensCounts& counts) {
+  const NormalizedPoint n = normalizedBlock(c, x, y, valid, counts);
+  const NormalizedPoint raw = distorted<HasK3>(c.lens, n, valid);
+  const AddressConstants& a = c.address;
+  const I32 ui = (raw.x + 32) >> 6, vi = (raw.y + 32) >> 6;
+  valid &= ((U32)ui < (std::uint32_t)a.width) & ((U32)vi < (std::uint32_t)a.height);
+  near_write += valid & (vi < a.near_write_below);
+  return valid & (vi * a.stride + ui);
 }
 
 template <bool HasK3>
-FPGA_INLINE std::int64_t warpRow(const HomographyRow& h, const LensConstants& lens,
-                                 const AddressConstants& a, std::int32_t* offsets,
-                                 std::uint8_t* valid, LensCounts& counts) {
-  WarpCounts c;
-  for (int u = 0; u < a.width; u += lanes) warpBlock<HasK3>(h, lens, a, u, offsets, valid, c);
-  counts.xn += counted(c.xn);
-  counts.yn += counted(c.yn);
-  return counted(c.near_write);
+FPGA_INLINE std::int64_t warpRow(const HomographyRow& h, const WarpConstants c,
+                                 std::int32_t* offsets, std::uint8_t* valid_bytes,
+                                 LensCounts& counts) {
+  const I32 u0 = columnIndices();
+  Sums s{u0, h.nx + h.nx_step * u0, h.ny + h.ny_step * u0, h.d + h.d_step * u0,
+         h.horizon + h.horizon_step * u0};
+  const Sums step{all(lanes), all(lanes * h.nx_step), all(lanes * h.ny_step), all(lanes * h.d_step),
+                  all(lanes * h.horizon_step)};
+  I32 near_write{};
+  LensCounts local;
+  for (int u = 0; u < c.address.width; u += lanes) {
+    I32 valid = (s.d > 0) & (s.horizon > 0) & (s.u < c.address.width);
+    const I32 divisor = s.d > 0 ? s.d : all(1);
+    const F32 scale = view_scale / __builtin_convertvector(divisor, F32);
+    const I32 x = quotient(s.nx, 6, divisor, scale);
+    const I32 y = quotient(s.ny, 6, divisor, scale);
+    valid &= (x >= -131072) & (x <= 131071) & (y >= -131072) & (y <= 131071);
+    I32 offset{};
+    if (FPGA_ANY(valid)) offset = lensBlock<HasK3>(c, x, y, valid, near_write, local);
+    storeVector(offsets + u, offset);
+    storeVector(valid_bytes + u, __builtin_convertvector(valid, U8));
+    s = {s.u + step.u, s.nx + step.nx, s.ny + step.ny, s.d + step.d, s.horizon + step.horizon};
+  }
+  counts.xn += local.xn;
+  counts.yn += local.yn;
+  return counted(near_write);
 }
 
 std::int64_t warp(const HomographyRow& h, const LensConstants& lens, const AddressConstants& a,
                   CoordinateRow& scratch, std::int32_t* offsets, std::uint8_t* valid,
                   LensCounts& counts) {
   if (!lens.narrow) return body::warp(h, lens, a, scratch, offsets, valid, counts);
-  return lens.k3 == 0 ? warpRow<false>(h, lens, a, offsets, valid, counts)
-                      : warpRow<true>(h, lens, a, offsets, valid, counts);
+  const WarpConstants c{lens, a, lens.x_scale * normalized_scale - F32{},
+                        lens.y_scale * normalized_scale - F32{}};
+  return lens.k3 == 0 ? warpRow<false>(h, c, offsets, valid, counts)
+                      : warpRow<true>(h, c, offsets, valid, counts);
 }
 
 FPGA_INLINE I32 onesOf(I32 bits) {
