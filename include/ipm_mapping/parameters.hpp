@@ -9,21 +9,24 @@
 #include "ipm_mapping/parameters/chain_parameters.hpp"
 #include "ipm_mapping/parameters/map_parameters.hpp"
 #include "ipm_mapping/parameters/robot_parameters.hpp"
+#include "ipm_mapping/parameters/sweep_parameters.hpp"
 
 namespace ipm_mapping {
 
-enum class DetectorKind { Chain, FirstArchitecture };
+enum class DetectorKind { Sweep, Chain, FirstArchitecture };
 template <>
-inline constexpr std::array<const char*, 2> enum_names<DetectorKind>{"chain", "first_architecture"};
+inline constexpr std::array<const char*, 3> enum_names<DetectorKind>{"sweep", "chain",
+                                                                     "first_architecture"};
 
 /// What finds the obstacles.
 struct DetectorParameters {
-  DetectorKind kind = DetectorKind::Chain;
+  DetectorKind kind = DetectorKind::Sweep;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& field) {
     field("kind", self.kind,
-          "chain: the source's difference, segmentation and localisation; first_architecture: the "
+          "sweep: our own, floor against vertical line; chain: the source's difference, "
+          "segmentation and localisation; first_architecture: the "
           "same with a bird's-eye view and radial histograms");
   }
 };
@@ -37,6 +40,7 @@ struct Parameters {
   SegmentationParameters segmentation;
   LocalizationParameters localization;
   BirdsEyeParameters birds_eye;
+  sweep::SweepParameters sweep;
   MapParameters map;
   OutputParameters output;
 
@@ -50,6 +54,7 @@ struct Parameters {
     group("segmentation", self.segmentation);
     group("localization", self.localization);
     group("birds_eye", self.birds_eye);
+    group("sweep", self.sweep);
     group("map", self.map);
     group("output", self.output);
   }

@@ -9,8 +9,29 @@
 namespace ipm_mapping {
 namespace {
 
-// A beam narrower than this around the focus row is too steep to tell bearings apart.
-constexpr double min_slope_height = 1.0;
+// A focus farther away than this, pixels, is as good as at infinity: over a picture's height the
+// lines' directions differ by less than a thousandth of a pixel.
+constexpr double farthest_focus = 1e7;
+
+// Lines of the full view flatter than this, columns a row, are left out: they would leave holes,
+// and around a focus inside the picture there is no end to them.
+constexpr double max_slope = 4.0;
+
+/// The focus in whole pixels, for Bresenham; one at infinity, where a level camera's lies but for
+/// rounding, is moved along the line through the picture's centre.
+struct WholePixel {
+  long u, v;
+};
+WholePixel wholePixel(const Focus& focus, int width, int height) {
+  const Eigen::Vector2d centre(0.5 * (width - 1), 0.5 * (height - 1));
+  const Eigen::Vector2d direction = focus.direction(centre.x(), centre.y());
+  const double w = focus.f.z();
+  // focus = centre + direction / w
+  Eigen::Vector2d offset = direction * (farthest_focus / direction.norm()) * (w < 0.0 ? -1.0 : 1.0);
+  if (std::abs(w) * farthest_focus > direction.norm()) offset = direction / w;
+  const Eigen::Vector2d pixel = centre + offset;
+  return {std::lround(pixel.x()), std::lround(pixel.y())};
+}
 
 }  // namespace
 
@@ -28,10 +49,7 @@ bool PolarBeam::aim(const Focus& focus, int width, int height, int n_lines, Beam
   columns_.assign(static_cast<std::size_t>(n_lines) * static_cast<std::size_t>(height), outside);
   if (!focus.f.allFinite() || !(focus.direction(0, 0).y() > 0.0)) return false;
   if (kind == Beam::FullView) return aimFullView(focus);
-  const auto pixel = focus.pixel();
-  if (!pixel || std::abs(pixel->y()) < min_slope_height) return aimFullView(focus);
-  aimSource(focus, endRow(focus));
-  return true;
+  return aimSource(focus);
 }
 
 bool PolarBeam::aimFullView(const Focus& focus) {
@@ -48,6 +66,10 @@ bool PolarBeam::aimFullView(const Focus& focus) {
     left = std::min(left, startOf(0.0, v));
     right = std::max(right, startOf(width_ - 1.0, v));
   }
+  if (focus.f.z() > 0.0) {
+    left = std::max(left, (focus.f.x() - max_slope * focus.f.y()) / focus.f.z());
+    right = std::min(right, (focus.f.x() + max_slope * focus.f.y()) / focus.f.z());
+  }
   for (int i = 0; i < lines_; ++i) {
     const double start = left + (right - left) * (i + 0.5) / lines_;
     const Eigen::Vector2d d = focus.direction(start, 0.0);
@@ -61,10 +83,10 @@ bool PolarBeam::aimFullView(const Focus& focus) {
   return true;
 }
 
-void PolarBeam::aimSource(const Focus& focus, int end_row) {
-  const Eigen::Vector2d pixel = *focus.pixel();
-  const auto focus_u = static_cast<long>(std::lround(pixel.x()));
-  const auto focus_v = static_cast<long>(std::lround(pixel.y()));
+bool PolarBeam::aimSource(const Focus& focus) {
+  const auto [focus_u, focus_v] = wholePixel(focus, width_, height_);
+  if (focus_v == 0) return false;
+  const int end_row = endRow(focus);
   for (int i = 0; i < lines_; ++i) {
     // 8i + 4 of a row of 640 pixels with 80 lines; the same spacing for other sizes.
     const long start = (2L * i + 1) * width_ / (2L * lines_);
@@ -83,6 +105,7 @@ void PolarBeam::aimSource(const Focus& focus, int end_row) {
       if (u >= 0 && u < width_) column[v] = static_cast<std::int16_t>(u);
     }
   }
+  return end_row > 0;
 }
 
 void PolarHistogram::count(const PolarBeam& beam, GrayView obstacle_mask) {

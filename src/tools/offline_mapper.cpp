@@ -4,16 +4,20 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
 
 #include "ipm_mapping/io/run_files.hpp"
 #include "ipm_mapping/mapping/map_io.hpp"
 #include "ipm_mapping/ros/offline_run.hpp"
 #include "ipm_mapping/ros/report_json.hpp"
+#include "ipm_mapping/view/map_picture.hpp"
+#include "ipm_mapping/view/overlay.hpp"
 
 namespace {
 
@@ -96,6 +100,10 @@ void summarize(const OfflineRun& run, const std::string& out) {
       out.c_str());
 }
 
+void writePicture(const std::string& path, const cv::Mat& picture) {
+  if (!cv::imwrite(path, picture)) throw std::runtime_error("cannot write '" + path + "'");
+}
+
 /// An input that gave nothing to work on is an error; a robot that never moved is not.
 void requireImages(const RunReport& report) {
   if (report.images == 0) throw BagError("the image topic has no messages");
@@ -108,19 +116,69 @@ void requireImages(const RunReport& report) {
   if (report.odometry.empty()) throw BagError("the odometry topic has no messages");
 }
 
+/// The most telling frame of the run: the one with the most contacts.
+class OverlayFrame {
+ public:
+  void offer(const Obstacles& obstacles, GrayView raw) {
+    if (!picture_.empty() && obstacles.contacts.size() <= obstacles_.contacts.size()) return;
+    obstacles_ = obstacles;
+    picture_.ensure(raw.width, raw.height);
+    for (int v = 0; v < raw.height; ++v) std::copy_n(raw.row(v), raw.width, picture_.row(v));
+  }
+  void write(const std::string& path) const {
+    if (!picture_.empty()) writePicture(path, drawOverlay(picture_.view(), obstacles_));
+  }
+
+ private:
+  Obstacles obstacles_;
+  Image<std::uint8_t> picture_;
+};
+
+/// Outlines of a truth.json.
+std::vector<Outline> readTruth(const std::string& path) {
+  std::vector<Outline> outlines;
+  if (path.empty()) return outlines;
+  std::ifstream file(path);
+  if (!file) throw BagError("cannot read '" + path + "'");
+  try {
+    const auto truth = nlohmann::json::parse(file);
+    for (const auto& footprint : truth.at("footprints")) {
+      Outline outline;
+      outline.closed = footprint.contains("polygon");
+      for (const auto& point : footprint.at(outline.closed ? "polygon" : "polyline"))
+        outline.points.emplace_back(point.at(0).get<double>(), point.at(1).get<double>());
+      outlines.push_back(std::move(outline));
+    }
+  } catch (const nlohmann::json::exception& error) {
+    throw BagError("'" + path + "' is not a truth file: " + error.what());
+  }
+  return outlines;
+}
+
+void writeMap(const OfflineRun& run, const Arguments& a) {
+  TrinaryMap map;
+  run.map().copyTo(map);
+  if (const auto error = saveMap(map, a.out + "/map")) throw std::runtime_error(*error);
+  const std::string title = std::filesystem::path(a.options.bag).stem().string();
+  writePicture(a.out + "/map.png", drawMap(map, {title, run.trajectory(), readTruth(a.truth)}));
+}
+
 void runOn(Arguments& a) {
   const BagSource bag(a.options.bag, a.options.topics);
   const RunCamera camera = resolveCamera(bag, a.options);
   std::filesystem::create_directories(a.out);
   RunFiles files(a.out);
   OfflineRun run(bag, camera, a.options.parameters);
-  run.run(
-      {[&](const Obstacles& obstacles, const Detector&) { files.add(obstacles); }, showProgress});
+  OverlayFrame overlay;
+  run.run({[&](const Obstacles& obstacles, GrayView raw) {
+             files.add(obstacles);
+             overlay.offer(obstacles, raw);
+           },
+           showProgress});
   requireImages(run.report());
   files.finish();
-  TrinaryMap map;
-  run.map().copyTo(map);
-  if (const auto error = saveMap(map, a.out + "/map")) throw std::runtime_error(*error);
+  writeMap(run, a);
+  overlay.write(a.out + "/overlay.png");
   writeText(a.out + "/report.json", reportJson(run, bag, camera, a.options, a.profile));
   summarize(run, a.out);
 }

@@ -7,15 +7,15 @@
 
 namespace ipm_mapping {
 
-enum class OdometrySource { Topic, Tf };
+enum class PoseOrigin { Topic, Tf };
 template <>
-inline constexpr std::array<const char*, 2> enum_names<OdometrySource>{"topic", "tf"};
+inline constexpr std::array<const char*, 2> enum_names<PoseOrigin>{"topic", "tf"};
 
 /// Where frames and poses come from: nodelets that take camera images.
 struct SourceParameters {
   std::string base_frame;
   std::string odom_frame;
-  OdometrySource odometry_source = OdometrySource::Topic;
+  PoseOrigin odometry_source = PoseOrigin::Topic;
   int queue = 10;
   int waiting_frames = 32;
 
@@ -30,6 +30,17 @@ struct SourceParameters {
     field("queue", self.queue, Unit{"messages"}, Range{1, 1000}, "length of the image queue");
     field("waiting_frames", self.waiting_frames, Unit{"frames"}, Range{1, 1000},
           "images that wait for odometry to pass their stamps; more are dropped, oldest first");
+  }
+};
+
+/// Links between nodelets.
+struct StageParameters {
+  int queue = 32;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& field) {
+    field("queue", self.queue, Unit{"messages"}, Range{1, 1000},
+          "messages that may wait for this stage; more are dropped, oldest first");
   }
 };
 

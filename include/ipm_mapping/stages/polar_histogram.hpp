@@ -31,7 +31,7 @@ class PolarBeam {
 
  private:
   bool aimFullView(const Focus& focus);
-  void aimSource(const Focus& focus, int end_row);
+  bool aimSource(const Focus& focus);
   /// First row that is not above the focus.
   [[nodiscard]] int endRow(const Focus& focus) const;
   std::int16_t* writableColumns(int line) {
