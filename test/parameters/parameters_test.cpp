@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <tuple>
 
 #include "ipm_mapping/parameters/node_parameters.hpp"
 #include "ipm_mapping/parameters/visitors.hpp"
@@ -99,6 +100,16 @@ TEST(Parameters, ContradictionsAreRefused) {
   Parameters parameters;
   parameters.map.free_below = parameters.map.occupied_above = 0.5;
   EXPECT_TRUE(contains(errorOf([&] { parameters.validate(); }), "map/free_below"));
+  for (const auto& [clamp, occupied, free] :
+       {std::tuple{2.0, 0.89, 0.35}, std::tuple{2.0, 0.65, 0.11}}) {
+    parameters = Parameters{};
+    parameters.map.clamp = clamp;
+    EXPECT_NO_THROW(parameters.validate());
+    parameters.map.occupied_above = occupied;
+    parameters.map.free_below = free;
+    EXPECT_TRUE(contains(errorOf([&] { parameters.validate(); }), "map/clamp = 2"))
+        << "0.88 and 0.12 are as sure as such a map can be";
+  }
 }
 
 TEST(Parameters, ProfilesDifferWhereTheSourceDoesOtherwise) {
