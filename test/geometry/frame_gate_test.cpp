@@ -133,6 +133,7 @@ TEST(FrameGate, AClockSetBackForgetsHistoryWhicheverMessageSaysSoFirst) {
     EXPECT_EQ(released.payload, 2) << "frame 1 waited for odometry that will not come";
     EXPECT_NEAR(released.T_odom_base.x, 50.01, 1e-9) << "a pose of after the jump";
     EXPECT_FALSE(gate.next(released));
+    EXPECT_EQ(gate.dropped(GateDrop::ClockJump), 1U) << "frame 1 is accounted for";
   }
 }
 
