@@ -142,6 +142,18 @@ TEST(LogOddsMap, StateDecidesWhetherTheLastCellIsFree) {
   }
 }
 
+TEST(LogOddsMap, ARayIsNoLongerThanTheMapCanBeAndThenHasNoObstacleAtItsEnd) {
+  MapParameters parameters;
+  parameters.max_side = 128;
+  OccupancyMap map(parameters);
+  Obstacles frame = frameAt({-3.0, -3.0, M_PI / 4.0});
+  frame.bearings = {bearing(BearingState::Occupied, 0.0F, 20.0F)};
+  map.update(frame);
+  const double end = -3.0 + 128 * parameters.resolution * std::sqrt(0.5);
+  EXPECT_TRUE(map.logOdds(cellAt(end, end)));
+  EXPECT_FALSE(map.logOdds(cellAt(end + 0.06, end + 0.06)));
+}
+
 TEST(LogOddsMap, ManyRaysAndContactsInOneCellCountOnce) {
   const MapParameters parameters;
   OccupancyMap map(parameters);
