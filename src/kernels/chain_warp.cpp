@@ -4,6 +4,9 @@
 #include <cmath>
 #include <cstring>
 
+// Byte permutes over two registers (AVX-512 VBMI) are worth a target of their own.
+#define HWY_WANT_AVX3_DL
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/chain_warp.cpp"
 #include "hwy/foreach_target.h"
@@ -78,17 +81,108 @@ HWY_ATTR void MapRow(const RayRow& rays, const Lens& lens, const Samples::Row& s
   }
 }
 
-/// The pixel pairs (p, its right neighbour) above and below every sample, the right one in the
-/// upper byte.
+/// The pairs (pixel, its right neighbour in the upper byte) above and below a block of samples, one
+/// by one.
+HWY_ATTR void GatherBlock(GrayView raw, const std::int16_t* u, const std::int16_t* v,
+                          std::uint16_t* above, std::uint16_t* below) {
+  const Ints d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const auto stride = hn::Set(d, static_cast<std::int32_t>(raw.stride));
+  HWY_ALIGN std::int32_t offset[Samples::block];
+  for (int i = 0; i < Samples::block; i += lanes) {
+    const auto column = hn::PromoteTo(d, hn::LoadU(Shorts(), u + i));
+    const auto row = hn::PromoteTo(d, hn::LoadU(Shorts(), v + i));
+    hn::Store(hn::Add(hn::Mul(row, stride), column), d, offset + i);
+  }
+  for (int i = 0; i < Samples::block; ++i) {
+    std::memcpy(above + i, raw.data + offset[i], 2);
+    std::memcpy(below + i, raw.data + offset[i] + raw.stride, 2);
+  }
+}
+
+#if HWY_TARGET == HWY_AVX3_DL
+/// Up to 128 bytes from p on, of which `available` may be read; the rest is 0.
+struct Window {
+  __m512i low, high;
+  HWY_ATTR Window(const std::uint8_t* p, int available) {
+    const auto first = [](int n) { return n >= 64 ? ~0ULL : (1ULL << n) - 1; };
+    low = _mm512_maskz_loadu_epi8(first(available), p);
+    high = available <= 64 ? _mm512_setzero_si512()
+                           : _mm512_maskz_loadu_epi8(first(available - 64), p + 64);
+  }
+  [[nodiscard]] HWY_ATTR __m512i at(__m512i index) const {
+    return _mm512_permutex2var_epi8(low, index, high);
+  }
+};
+
+HWY_ATTR void StorePairs(__m512i left, __m512i right, std::uint16_t* pairs) {
+  const auto widen = [](__m512i bytes, bool upper) HWY_ATTR {
+    return _mm512_cvtepu8_epi16(upper ? _mm512_extracti64x4_epi64(bytes, 1)
+                                      : _mm512_castsi512_si256(bytes));
+  };
+  for (const bool upper : {false, true}) {
+    const __m512i pair =
+        _mm512_or_si512(widen(left, upper), _mm512_slli_epi16(widen(right, upper), 8));
+    _mm512_storeu_si512(pairs + (upper ? 32 : 0), pair);
+  }
+}
+
+/// As GatherBlock(), by permuting whole stretches of the few rows that a block touches; false where
+/// it touches more than that.
+HWY_ATTR bool PermuteBlock(GrayView raw, const std::int16_t* u, const std::int16_t* v,
+                           const std::uint8_t* way, std::uint16_t* above, std::uint16_t* below) {
+  constexpr int most_rows = 12, most_columns = 126;
+  const hn::CappedTag<std::int16_t, 32> d;
+  const __mmask64 seen = _mm512_cmpneq_epi8_mask(_mm512_loadu_si512(way), _mm512_set1_epi8(-1));
+  if (seen == 0) return true;  // nothing will be used
+  const auto low = static_cast<__mmask32>(seen), high = static_cast<__mmask32>(seen >> 32);
+  const auto range = [&](const std::int16_t* p, int& smallest, int& largest) HWY_ATTR {
+    const __m512i a = _mm512_loadu_si512(p), b = _mm512_loadu_si512(p + 32);
+    const __m512i top = _mm512_set1_epi16(32767), bottom = _mm512_set1_epi16(-1);
+    const __m512i least =
+        _mm512_min_epi16(_mm512_mask_mov_epi16(top, low, a), _mm512_mask_mov_epi16(top, high, b));
+    const __m512i most = _mm512_max_epi16(_mm512_mask_mov_epi16(bottom, low, a),
+                                          _mm512_mask_mov_epi16(bottom, high, b));
+    smallest = hn::GetLane(hn::MinOfLanes(d, hn::Vec<decltype(d)>{least}));
+    largest = hn::GetLane(hn::MaxOfLanes(d, hn::Vec<decltype(d)>{most}));
+    const __m512i base = _mm512_set1_epi16(static_cast<short>(smallest));
+    return _mm512_inserti64x4(
+        _mm512_castsi256_si512(_mm512_cvtepi16_epi8(_mm512_sub_epi16(a, base))),
+        _mm512_cvtepi16_epi8(_mm512_sub_epi16(b, base)), 1);
+  };
+  int u0 = 0, u1 = 0, v0 = 0, v1 = 0;
+  const __m512i column = range(u, u0, u1), row = range(v, v0, v1);
+  if (u1 - u0 > most_columns || v1 - v0 > most_rows) return false;
+
+  const __m512i next = _mm512_add_epi8(column, _mm512_set1_epi8(1));
+  __m512i left[2] = {}, right[2] = {};  // above, below
+  for (int r = 0; r <= v1 - v0 + 1; ++r) {
+    const Window window(raw.data + (v0 + r) * raw.stride + u0, raw.width - u0);
+    const __m512i a = window.at(column), b = window.at(next);
+    const __mmask64 top = _mm512_cmpeq_epi8_mask(row, _mm512_set1_epi8(static_cast<char>(r)));
+    const __mmask64 bottom =
+        _mm512_cmpeq_epi8_mask(row, _mm512_set1_epi8(static_cast<char>(r - 1)));
+    left[0] = _mm512_mask_mov_epi8(left[0], top, a);
+    right[0] = _mm512_mask_mov_epi8(right[0], top, b);
+    left[1] = _mm512_mask_mov_epi8(left[1], bottom, a);
+    right[1] = _mm512_mask_mov_epi8(right[1], bottom, b);
+  }
+  StorePairs(left[0], right[0], above);
+  StorePairs(left[1], right[1], below);
+  return true;
+}
+#else
+HWY_INLINE bool PermuteBlock(GrayView, const std::int16_t*, const std::int16_t*,
+                             const std::uint8_t*, std::uint16_t*, std::uint16_t*) {
+  return false;
+}
+#endif
+
 HWY_ATTR void GatherPairs(GrayView raw, const Samples::Row& samples, int width,
                           std::uint16_t* above, std::uint16_t* below) {
-  const auto pair = [](const std::uint8_t* p) {
-    return static_cast<std::uint16_t>(p[0] | (p[1] << 8));
-  };
-  for (int i = 0; i < width; ++i) {
-    const std::uint8_t* p = raw.data + samples.v[i] * raw.stride + samples.u[i];
-    above[i] = pair(p);
-    below[i] = pair(p + raw.stride);
+  for (int i = 0; i < width; i += Samples::block) {
+    if (!PermuteBlock(raw, samples.u + i, samples.v + i, samples.right + i, above + i, below + i))
+      GatherBlock(raw, samples.u + i, samples.v + i, above + i, below + i);
   }
 }
 
