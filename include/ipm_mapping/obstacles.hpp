@@ -51,6 +51,7 @@ struct Obstacles {
   std::vector<Contact> candidates;  ///< all that was found, before selection
 
   void clear() {
+    max_range = 0.0;
     bearings.clear();
     contacts.clear();
     candidates.clear();

@@ -1,0 +1,61 @@
+#pragma once
+// Software part of rules 3 and 4: from double-precision geometry to coefficients (§6.2.4).
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "ipm_mapping/fpga/frame_parameters.hpp"
+#include "ipm_mapping/geometry/ground_view.hpp"
+
+namespace ipm_mapping::fpga {
+
+/// Nine register values, row-major.
+using HomographyWords = std::array<std::int32_t, 9>;
+
+struct QuantisedHomography {
+  HomographyWords words{};
+  double worst_error = 0.0;  ///< px, at the worst point of the grid
+  double scale = 0.0;        ///< of the matrix before rounding
+  int steps = 0;             ///< of the polish
+};
+
+/// Points of the undistorted current view on which quantisation errors are measured: floor in
+/// both views, seen by both raw frames.
+class ErrorGrid {
+ public:
+  static constexpr int columns = 17, rows = 13;
+  static constexpr int capacity = columns * rows;
+
+  ErrorGrid(const GroundView& view, const Eigen::Matrix3d& G);
+
+  [[nodiscard]] int size() const { return size_; }
+  /// Greatest distance in units of 2^-20 px; nothing when it reaches `limit` or D <= 0 somewhere.
+  /// Remembers the worst point, to look at it first the next time.
+  [[nodiscard]] std::optional<std::int64_t> error(const HomographyWords& words, std::int64_t limit);
+
+ private:
+  struct Point {
+    double u, v;  ///< integers
+    double x, y;  ///< where G takes them
+  };
+  std::array<Point, capacity> points_;
+  int size_ = 0;
+};
+
+/// Scales the matrix, rounds it and polishes the best candidates. Nothing when no grid point or no
+/// scale is left: the frame is skipped as homography_unusable.
+[[nodiscard]] std::optional<QuantisedHomography> quantiseHomography(const GroundView& view);
+
+/// The same with one rounding at the largest power of two that fits: what a designer would do
+/// first, kept to show what the search gains.
+[[nodiscard]] std::optional<QuantisedHomography> quantiseAtPowerOfTwo(const GroundView& view);
+
+/// horizon_a, horizon_b, horizon_c.
+[[nodiscard]] std::array<std::int32_t, 3> quantiseHorizon(const GroundView& view);
+
+/// Writes fx ... k3 and r2_max. Says which value does not fit its register, or nothing.
+[[nodiscard]] std::optional<CalibrationError> quantiseCamera(const CameraModel& camera,
+                                                             FrameParameters& p);
+
+}  // namespace ipm_mapping::fpga

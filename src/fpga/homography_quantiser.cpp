@@ -1,0 +1,208 @@
+#include "ipm_mapping/fpga/homography_quantiser.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace ipm_mapping::fpga {
+namespace {
+
+constexpr int scale_count = 768;
+constexpr int polished_count = 8;
+constexpr double error_units = 1 << 20;  // rule 3: errors are ranked after rounding to 2^-20 px
+constexpr std::int64_t no_limit = std::numeric_limits<std::int64_t>::max();
+
+bool isOffset(std::size_t i) { return i % 3 == 2; }
+
+double unitsOf(std::size_t i) {
+  return isOffset(i) ? 1 << formats::HomographyOffset::fraction_bits
+                     : 1 << formats::HomographyLinear::fraction_bits;
+}
+
+bool fitsWord(double value) {
+  return value >= formats::HomographyLinear::lowest() &&
+         value <= formats::HomographyLinear::highest();
+}
+
+/// scale * G in the registers' units, rounded; nothing when a coefficient does not fit.
+std::optional<HomographyWords> rounded(const Eigen::Matrix3d& G, double scale) {
+  HomographyWords words{};
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const double value =
+        std::round(G(static_cast<int>(i / 3), static_cast<int>(i % 3)) * scale * unitsOf(i));
+    if (!fitsWord(value)) return std::nullopt;
+    words[i] = static_cast<std::int32_t>(value);
+  }
+  return words;
+}
+
+/// Exponent of the largest power of two for which `fits` holds.
+template <class Fits>
+std::optional<int> largestExponent(Fits&& fits) {
+  constexpr int range = 64;
+  for (int exponent = range; exponent >= -range; --exponent) {
+    if (fits(std::ldexp(1.0, exponent))) return exponent;
+  }
+  return std::nullopt;
+}
+
+struct Candidate {
+  std::int64_t error = no_limit;
+  double scale = 0.0;
+  HomographyWords words{};
+};
+
+/// The best scales in rising error; the first one wins among equals.
+class Ranking {
+ public:
+  [[nodiscard]] std::int64_t limit() const {
+    return size_ < polished_count ? no_limit : best_[polished_count - 1].error;
+  }
+  void insert(const Candidate& candidate) {
+    std::size_t at = size_ < polished_count ? size_++ : polished_count - 1;
+    for (; at > 0 && candidate.error < best_[at - 1].error; --at) best_[at] = best_[at - 1];
+    best_[at] = candidate;
+  }
+  [[nodiscard]] const Candidate* begin() const { return best_.data(); }
+  [[nodiscard]] const Candidate* end() const { return best_.data() + size_; }
+
+ private:
+  std::array<Candidate, polished_count> best_;
+  std::size_t size_ = 0;
+};
+
+Ranking searchScales(const Eigen::Matrix3d& G, double power_of_two, ErrorGrid& grid) {
+  Ranking ranking;
+  for (int j = 0; j < scale_count; ++j) {
+    const double scale = power_of_two / 2.0 * std::pow(4.0, j / (scale_count - 1.0));
+    const auto words = rounded(G, scale);
+    if (!words) continue;
+    if (const auto error = grid.error(*words, ranking.limit())) {
+      ranking.insert({*error, scale, *words});
+    }
+  }
+  return ranking;
+}
+
+/// One step of the polish: the best of the 18 neighbours, if it is better. Row-major, -1 first.
+bool improve(Candidate& candidate, ErrorGrid& grid) {
+  Candidate best = candidate;
+  for (std::size_t i = 0; i < candidate.words.size(); ++i) {
+    for (const int change : {-1, 1}) {
+      HomographyWords words = candidate.words;
+      words[i] += change;
+      if (!fitsWord(words[i])) continue;
+      if (const auto error = grid.error(words, best.error)) {
+        best.error = *error;
+        best.words = words;
+      }
+    }
+  }
+  const bool improved = best.error < candidate.error;
+  candidate = best;
+  return improved;
+}
+
+QuantisedHomography result(const Candidate& candidate, int steps) {
+  return {candidate.words, static_cast<double>(candidate.error) / error_units, candidate.scale,
+          steps};
+}
+
+}  // namespace
+
+ErrorGrid::ErrorGrid(const GroundView& view, const Eigen::Matrix3d& G) {
+  const CameraModel& camera = view.camera;
+  const Distortion& d = camera.distortion();
+  const CameraModel lens(camera.intrinsics(), {d.k1, d.k2, 0.0, 0.0, d.k3});
+  const GroundProjection floor(view.H_c());
+  const auto seen = [&lens](double u, double v) {
+    double x = 0.0, y = 0.0;
+    return lens.distortPixel(u, v, x, y) && x >= -0.5 && x < lens.width() - 0.5 && y >= -0.5 &&
+           y < lens.height() - 0.5;
+  };
+  for (int i = 0; i < capacity; ++i) {
+    const int u = i % columns * (lens.width() - 1) / (columns - 1);
+    const int v = i / columns * (lens.height() - 1) / (rows - 1);
+    const Eigen::Vector3d g = G * Eigen::Vector3d(u, v, 1.0);
+    if (!(floor.inverseDepth(u, v) > 0.0) || !(g.z() > 0.0)) continue;
+    const Point point{static_cast<double>(u), static_cast<double>(v), g.x() / g.z(), g.y() / g.z()};
+    if (seen(point.u, point.v) && seen(point.x, point.y)) {
+      points_[static_cast<std::size_t>(size_++)] = point;
+    }
+  }
+}
+
+std::optional<std::int64_t> ErrorGrid::error(const HomographyWords& words, std::int64_t limit) {
+  std::array<double, 9> h;
+  for (std::size_t i = 0; i < h.size(); ++i) h[i] = words[i] * (isOffset(i) ? 16.0 : 1.0);
+  double worst = -1.0;
+  std::size_t worst_index = 0;
+  const double bound = static_cast<double>(limit) / error_units;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(size_); ++i) {
+    const Point& p = points_[i];
+    const double d = h[6] * p.u + h[7] * p.v + h[8];
+    if (!(d > 0.0)) return std::nullopt;
+    const double error = std::hypot((h[0] * p.u + h[1] * p.v + h[2]) / d - p.x,
+                                    (h[3] * p.u + h[4] * p.v + h[5]) / d - p.y);
+    if (!(error > worst)) continue;
+    worst = error;
+    worst_index = i;
+    if (!(worst < bound)) break;
+  }
+  std::swap(points_[0], points_[worst_index]);
+  const double units = std::round(worst * error_units);
+  if (!(units < static_cast<double>(limit))) return std::nullopt;
+  return static_cast<std::int64_t>(units);
+}
+
+std::optional<QuantisedHomography> quantiseHomography(const GroundView& view) {
+  const Eigen::Matrix3d G = view.G();
+  ErrorGrid grid(view, G);
+  const auto exponent = largestExponent([&G](double scale) { return rounded(G, scale); });
+  if (grid.size() == 0 || !exponent) return std::nullopt;
+  const Ranking ranking = searchScales(G, std::ldexp(1.0, *exponent), grid);
+  std::optional<QuantisedHomography> best;
+  std::int64_t best_error = no_limit;
+  for (Candidate candidate : ranking) {
+    int steps = 0;
+    while (improve(candidate, grid)) ++steps;
+    if (candidate.error >= best_error) continue;
+    best_error = candidate.error;
+    best = result(candidate, steps);
+  }
+  return best;
+}
+
+std::optional<QuantisedHomography> quantiseAtPowerOfTwo(const GroundView& view) {
+  const Eigen::Matrix3d G = view.G();
+  ErrorGrid grid(view, G);
+  const auto exponent = largestExponent([&G](double scale) { return rounded(G, scale); });
+  if (grid.size() == 0 || !exponent) return std::nullopt;
+  Candidate candidate;
+  candidate.scale = std::ldexp(1.0, *exponent);
+  candidate.words = *rounded(G, candidate.scale);
+  const auto error = grid.error(candidate.words, no_limit);
+  if (!error) return std::nullopt;
+  candidate.error = *error;
+  return result(candidate, 0);
+}
+
+std::array<std::int32_t, 3> quantiseHorizon(const GroundView& view) {
+  const Eigen::Vector3d row = view.H_c().inverse().row(2).transpose();
+  const auto scaled = [&row](double scale) {
+    std::array<double, 3> words{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      words[i] = std::round(row(static_cast<int>(i)) * scale * unitsOf(i));
+    }
+    return words;
+  };
+  const auto exponent = largestExponent([&scaled](double scale) {
+    const auto words = scaled(scale);
+    return std::all_of(words.begin(), words.end(), fitsWord);
+  });
+  const auto words = scaled(std::ldexp(1.0, exponent.value_or(0)));
+  return {static_cast<std::int32_t>(words[0]), static_cast<std::int32_t>(words[1]),
+          static_cast<std::int32_t>(words[2])};
+}
+
+}  // namespace ipm_mapping::fpga

@@ -1,0 +1,127 @@
+// What the sweep found, as the message that everybody reads.
+#include <algorithm>
+#include <cmath>
+
+#include "ipm_mapping/geometry/vanishing_point.hpp"
+#include "ipm_mapping/kernels/sweep_costs.hpp"
+#include "ipm_mapping/sweep/sweep_detector.hpp"
+
+namespace ipm_mapping::sweep {
+
+void SweepDetector::fillView(const Frame& frame, Obstacles& obstacles) const {
+  obstacles.frame = frame.index;
+  obstacles.max_range = max_range_;
+  GroundView& view = obstacles.view;
+  view.stamp = frame.stamp;
+  view.reference_stamp = references_[0]->stamp;
+  view.camera = camera_;
+  view.T_base_camera = T_base_camera_;
+  view.T_odom_base = frame.T_odom_base;
+}
+
+/// Range variance: the sharpness of the score's maximum, then what calibration may be off. With
+/// d = h / r: a pitch error p moves r by (1 + r^2) p, a height error e moves d by d e / h.
+Contact SweepDetector::contactOf(int beam, const BeamChoice& choice) const {
+  const double azimuth = sweep_.azimuth(beam), r = sweep_.r(choice.candidate);
+  const double d = grid_.height / r;
+  Contact contact;
+  contact.bearing = beam;
+  contact.p_base = (T_base_camera_.translation().head<2>() +
+                    d * Eigen::Vector2d(std::cos(azimuth), std::sin(azimuth)))
+                       .cast<float>();
+  double u = 0.0, v = 0.0;
+  undistortedPixel(camera_, T_base_camera_, azimuth, r, u, v);
+  contact.u = static_cast<float>(u);
+  contact.v = static_cast<float>(v);
+  contact.score = choice.score;
+  const double r_top = grid_.r(choice.top * PolarGrid::rows_per_sweep_row);
+  contact.height = static_cast<float>(grid_.height * std::max(0.0, 1.0 - r_top / r));
+  const CalibrationUncertainty& c = parameters_.uncertainty;
+  const double step = PolarGrid::rows_per_sweep_row / grid_.rows_per_log * d;
+  const double sharpness = std::max(static_cast<double>(-choice.curvature), c.least_sharpness);
+  const double by_pixel = step / std::sqrt(sharpness);
+  const double by_pitch = d * (1.0 + r * r) / r * c.sd_pitch;
+  const double by_height = d / grid_.height * c.sd_height;
+  contact.range_sigma = static_cast<float>(
+      std::sqrt(by_pixel * by_pixel + by_pitch * by_pitch + by_height * by_height));
+  return contact;
+}
+
+/// Floor from the near end of the view outwards, while every reference that sees it calls it floor.
+/// Returns how far; 0 where not even the nearest floor in view is floor.
+double SweepDetector::freeRange(int beam) const {
+  const RowRange rows = sweep_.rows(beam);
+  const int window = parameters_.selection.free_window;
+  const double limit = parameters_.selection.free_cost * kernels::cost_unit * window;
+  double farthest = 0.0;
+  for (int q = 0; q < reference_count_; ++q) {
+    const std::uint16_t* cost = views_[static_cast<std::size_t>(q)].floor_cost.row(beam);
+    int sum = 0, number = 0, row = rows.end - 1;
+    for (; row >= rows.begin && cost[row] != kernels::no_cost; --row) {
+      sum += cost[row];
+      if (++number > window) sum -= cost[row + window];
+      if (number >= window && sum > limit) break;
+    }
+    if (number < window) return 0.0;
+    const double reach = grid_.distance((row + window) * PolarGrid::rows_per_sweep_row);
+    farthest = q == 0 ? reach : std::min(farthest, reach);
+  }
+  return farthest;
+}
+
+void SweepDetector::fillCandidates(Obstacles& obstacles) const {
+  const auto least = static_cast<float>(parameters_.selection.publish_score);
+  for (int beam = 0; beam < sweep_.beams(); ++beam) {
+    const float* s = scores_.score.row(beam);
+    for (int c = 1; c + 1 < sweep_.candidates(); ++c) {
+      if (s[c] < least || s[c] < s[c - 1] || !(s[c] > s[c + 1])) continue;
+      BeamChoice choice;
+      choice.candidate = static_cast<float>(c);
+      choice.score = s[c];
+      choice.curvature = s[c - 1] - 2.0F * s[c] + s[c + 1];
+      choice.top = scores_.top.at(c, beam);
+      obstacles.candidates.push_back(contactOf(beam, choice));
+    }
+  }
+}
+
+void SweepDetector::fillObstacles(Obstacles& obstacles) {
+  obstacles.view.motion = motions_[0].motion;
+  obstacles.focus = midFootFocus(vanishingPoints(obstacles.view));
+  fillCandidates(obstacles);
+  for (int beam = 0; beam < sweep_.beams(); ++beam) {
+    const BeamChoice& choice = choices_[static_cast<std::size_t>(beam)];
+    Bearing bearing;
+    bearing.angle = static_cast<float>(sweep_.azimuth(beam));
+    bearing.density = choice.score;
+    const double free = freeRange(beam);
+    const double limit = rangeLimit(sweep_.azimuth(beam));
+    bearing.range = static_cast<float>(std::min(free, limit));
+    bearing.state = free > 0.0 ? BearingState::Free : BearingState::Unknown;
+    if (choice.any()) {
+      const double d = sweep_.distance(choice.candidate);
+      const int row = static_cast<int>(sweep_.sweepRow(choice.candidate));
+      if (row + 1 >= sweep_.rows(beam).end) {
+        bearing.state = BearingState::Blocked;
+        bearing.range = 0.0F;
+      } else if (d <= limit) {
+        bearing.state = BearingState::Occupied;
+        bearing.range = static_cast<float>(d);
+        obstacles.contacts.push_back(contactOf(beam, choice));
+      } else {
+        bearing.range = std::min(bearing.range, static_cast<float>(d));
+      }
+    }
+    obstacles.bearings.push_back(bearing);
+  }
+}
+
+/// Distance from the camera's foot at which a bearing leaves the circle of max_range around base.
+double SweepDetector::rangeLimit(double azimuth) const {
+  const Eigen::Vector2d foot = T_base_camera_.translation().head<2>();
+  const double along = foot.x() * std::cos(azimuth) + foot.y() * std::sin(azimuth);
+  const double rest = max_range_ * max_range_ - foot.squaredNorm() + along * along;
+  return rest > 0.0 ? std::max(0.0, std::sqrt(rest) - along) : 0.0;
+}
+
+}  // namespace ipm_mapping::sweep

@@ -1,0 +1,172 @@
+#include "ipm_mapping/sweep/vertical_sweep.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ipm_mapping/kernels/sweep_costs.hpp"
+
+namespace ipm_mapping::sweep {
+namespace {
+
+constexpr int place_step = 8;        // candidates between exact places
+constexpr double below_view = 1.25;  // candidates reach this far below the image, in r
+constexpr double half_beam = 0.5 * (kernels::beam_lines - 1);
+constexpr double fraction_unit = 32767.0;  // 1/2^15 as a signed number
+constexpr double weight_unit = 256.0;
+
+RowRange commonRows(const std::vector<RowRange>& rows, int first, int lines) {
+  RowRange common = rows[static_cast<std::size_t>(first)];
+  for (int k = 1; k < lines; ++k)
+    common = intersection(common, rows[static_cast<std::size_t>(first + k)]);
+  return common;
+}
+
+}  // namespace
+
+double VerticalSweep::azimuth(int beam) const { return grid_.azimuth(firstLine(beam) + half_beam); }
+
+double VerticalSweep::r(double candidate) const {
+  return grid_.r(sweepRow(candidate) * PolarGrid::rows_per_sweep_row);
+}
+
+void VerticalSweep::configure(const PolarGrid& grid, const std::vector<RowRange>& reference_rows,
+                              const std::vector<RowRange>& current_rows, double max_support,
+                              const EvidenceParameters& p) {
+  grid_ = grid;
+  beam_step_ = p.beam_step;
+  const double sweep_rows_per_log = grid.rows_per_log / PolarGrid::rows_per_sweep_row;
+  support_rows_ = static_cast<int>(std::lround(-std::log(1.0 - max_support) * sweep_rows_per_log));
+  first_row_ = std::min(support_rows_, grid.sweepRows());
+  const int last_row =
+      grid.sweepRows() + static_cast<int>(std::log(below_view) * sweep_rows_per_log);
+  candidates_ = std::max(0, last_row - first_row_);
+  beams_ = std::max(0, (grid.lines - kernels::beam_lines - 1) / beam_step_);
+  floor_cap_ = static_cast<std::int32_t>(std::lround(p.floor_cap * kernels::cost_unit));
+  prior_ = static_cast<std::int32_t>(std::lround(p.vertical_prior * kernels::cost_unit));
+  beam_rows_.clear();
+  for (int beam = 0; beam < beams_; ++beam)
+    beam_rows_.push_back(commonRows(current_rows, firstLine(beam), kernels::beam_lines));
+  reference_rows_.clear();
+  for (int line = 0; line + kernels::beam_lines < grid.lines; ++line)
+    reference_rows_.push_back(commonRows(reference_rows, line, kernels::beam_lines + 1));
+  row_weight_.clear();
+  for (int j = 0; j < grid.sweepRows(); ++j)
+    row_weight_.push_back(static_cast<std::int32_t>(
+        std::lround(weight_unit * p.evidence_rows * grid.r(j * PolarGrid::rows_per_sweep_row) /
+                    sweep_rows_per_log)));
+  bound_.resize(static_cast<std::size_t>(last_row + 1));
+  evidence_.resize(static_cast<std::size_t>(grid.sweepRows() + kernels::overrun));
+  cost_.resize(evidence_.size());
+  for (auto& places : places_) places.resize(static_cast<std::size_t>(candidates_));
+}
+
+/// Most that any support ending at a row can gain: vertical costs are never negative.
+void VerticalSweep::bound(const SweepReference* references, int count, int beam) {
+  const RowRange seen = rows(beam);
+  std::int32_t best = 0;
+  for (int j = 0; j < static_cast<int>(bound_.size()); ++j) {
+    std::int32_t gain = 0;
+    for (int q = 0; q < count && seen.contains(j); ++q) {
+      const std::int32_t f = references[q].floor_cost.at(j, beam);
+      if (f == kernels::no_cost) continue;
+      gain += ((std::min(f, floor_cap_) - prior_) * row_weight_[static_cast<std::size_t>(j)]) >> 8;
+    }
+    best = std::max(best + gain, 0);
+    bound_[static_cast<std::size_t>(j)] = best;
+  }
+}
+
+/// Exact places of every place_step-th candidate, straight lines in between.
+void VerticalSweep::place(const FootMotion& motion, int beam, std::vector<Place>& places) const {
+  const Eigen::Vector2d direction(std::cos(azimuth(beam)), std::sin(azimuth(beam)));
+  const auto exact = [&](int candidate) {
+    const double d = distance(candidate);
+    const Eigen::Vector2d p = motion * (d * direction);
+    const double d2 = p.squaredNorm();
+    return Place{grid_.line(std::atan2(p.y(), p.x())) - half_beam,
+                 0.5 * grid_.rows_per_log * std::log(d * d / d2)};
+  };
+  Place a = exact(0);
+  for (int c = 0; c < candidates_; c += place_step) {
+    const Place b = exact(c + place_step);
+    for (int k = 0; k < place_step && c + k < candidates_; ++k) {
+      const double t = static_cast<double>(k) / place_step;
+      places[static_cast<std::size_t>(c + k)] = {a.line + t * (b.line - a.line),
+                                                 a.shift + t * (b.shift - a.shift)};
+    }
+    a = b;
+  }
+}
+
+/// Adds what one reference says about a candidate; returns the rows that it could judge.
+RowRange VerticalSweep::addReference(const CurrentView& current, const SweepReference& reference,
+                                     int beam, const Place& place, RowRange rows) {
+  const double line_floor = std::floor(place.line), shift_floor = std::floor(place.shift);
+  if (!(line_floor >= 0.0 && line_floor < static_cast<double>(reference_rows_.size()))) return {};
+  const int line = static_cast<int>(line_floor), shift = static_cast<int>(shift_floor);
+  const RowRange seen = reference_rows_[static_cast<std::size_t>(line)];
+  // fine row 2 j + shift and the one after it have to be in view
+  rows = intersection(rows, {(seen.begin - shift + 1) >> 1, (seen.end - shift) >> 1});
+  if (rows.size() == 0) return {};
+  kernels::VerticalPath path;
+  path.stride = grid_.sweepRows();
+  path.current = current.grey.row(firstLine(beam)) + rows.begin;
+  path.weight = current.weight.row(firstLine(beam)) + rows.begin;
+  const int half = shift >> 1;
+  const bool odd = (shift & 1) != 0;
+  path.upper = (odd ? reference.odd : reference.even).row(line) + rows.begin + half;
+  path.lower = (odd ? reference.even : reference.odd).row(line) + rows.begin + half + (odd ? 1 : 0);
+  path.row_fraction = static_cast<std::int16_t>((place.shift - shift_floor) * fraction_unit);
+  path.line_fraction = static_cast<std::int16_t>((place.line - line_floor) * fraction_unit);
+  kernels::verticalCost(path, rows.size(), cost_.data());
+  kernels::accumulateEvidence(reference.floor_cost.row(beam) + rows.begin, cost_.data(),
+                              row_weight_.data() + rows.begin, floor_cap_, prior_, rows.size(),
+                              evidence_.data() + rows.begin);
+  return rows;
+}
+
+/// Largest sum upward from the contact, and where it ends.
+float VerticalSweep::bestSupport(RowRange rows, int count, std::int16_t& top) const {
+  std::int32_t sum = 0, best = 0;
+  int best_row = rows.end - 1;
+  for (int j = rows.end - 1; j >= rows.begin; --j) {
+    sum += evidence_[static_cast<std::size_t>(j)];
+    if (sum > best) {
+      best = sum;
+      best_row = j;
+    }
+  }
+  top = static_cast<std::int16_t>(best_row);
+  return static_cast<float>(best) / static_cast<float>(kernels::cost_unit * count);
+}
+
+void VerticalSweep::evaluate(const CurrentView& current, const SweepReference* references,
+                             int count, float least_score, SweepScores& scores) {
+  scores.score.ensure(candidates_, beams_);
+  scores.top.ensure(candidates_, beams_);
+  const auto least =
+      static_cast<std::int32_t>(least_score * static_cast<float>(kernels::cost_unit * count));
+  for (int beam = 0; beam < beams_; ++beam) {
+    float* score = scores.score.row(beam);
+    std::int16_t* top = scores.top.row(beam);
+    std::fill(score, score + candidates_, 0.0F);
+    std::fill(top, top + candidates_, static_cast<std::int16_t>(grid_.sweepRows()));
+    bound(references, count, beam);
+    if (*std::max_element(bound_.begin(), bound_.end()) < least) continue;
+    for (int q = 0; q < count; ++q)
+      place(references[q].motion, beam, places_[static_cast<std::size_t>(q)]);
+    for (int c = 0; c < candidates_; ++c) {
+      const int contact = first_row_ + c;
+      if (bound_[static_cast<std::size_t>(contact)] < least) continue;
+      const RowRange support = intersection(rows(beam), {contact - support_rows_, contact + 1});
+      if (support.size() < 2) continue;
+      std::fill(evidence_.begin() + support.begin, evidence_.begin() + support.end, 0);
+      for (int q = 0; q < count; ++q)
+        addReference(current, references[q], beam,
+                     places_[static_cast<std::size_t>(q)][static_cast<std::size_t>(c)], support);
+      score[c] = bestSupport(support, count, top[c]);
+    }
+  }
+}
+
+}  // namespace ipm_mapping::sweep
