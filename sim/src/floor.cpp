@@ -52,26 +52,34 @@ Floor::Cells Floor::cellsAt(const Vector2f& laid, const Footprint2& pixel) const
   const auto gap = static_cast<float>(spec_.gap), vary = static_cast<float>(spec_.vary);
   const float wide_x = pixel.extent(Vector2f::UnitX()), wide_y = pixel.extent(Vector2f::UnitY());
   const int row = floorOf(laid.y() / size_y);
-  const float shift =
-      static_cast<float>(spec_.stagger) * size_x * unitFloat(cellHash(seed_, row, 0x5747));
-  const float x = laid.x() + shift;
+  float x = laid.x();
+  if (spec_.stagger > 0.0) {
+    const float part = unitFloat(cellHash(seed_, row, 0x5747));
+    x += static_cast<float>(spec_.stagger) * size_x * part;
+  }
   const int column = floorOf(x / size_x);
-  const float across = gapCoverage(x, wide_x, size_x, gap);
-  const float along = gapCoverage(laid.y(), wide_y, size_y, gap);
+  const float in_x = x - static_cast<float>(column) * size_x;
+  const float in_y = laid.y() - static_cast<float>(row) * size_y;
+  const float edge_x = std::min(in_x, size_x - in_x), edge_y = std::min(in_y, size_y - in_y);
+  const float across =
+      edge_x < 0.5F * (gap + wide_x) ? gapCoverage(in_x, wide_x, size_x, gap) : 0.0F;
+  const float along =
+      edge_y < 0.5F * (gap + wide_y) ? gapCoverage(in_y, wide_y, size_y, gap) : 0.0F;
   out.gap = 1.0F - (1.0F - across) * (1.0F - along);
   // Brightness of the cell, blended into the neighbours' where the footprint reaches over.
   const auto tone = [&](int i, int j) { return signedFloat(cellHash(seed_, i, j)); };
-  const float in_x = x - static_cast<float>(column) * size_x;
-  const float in_y = laid.y() - static_cast<float>(row) * size_y;
   const int side_x = 2.0F * in_x < size_x ? -1 : 1, side_y = 2.0F * in_y < size_y ? -1 : 1;
-  const float own_x = edgeCoverage(std::min(in_x, size_x - in_x), wide_x);
-  const float own_y = edgeCoverage(std::min(in_y, size_y - in_y), wide_y);
-  const float near = own_x * tone(column, row) + (1.0F - own_x) * tone(column + side_x, row);
-  const float far =
-      own_x * tone(column, row + side_y) + (1.0F - own_x) * tone(column + side_x, row + side_y);
-  out.brightness = 1.0F + vary * (own_y * near + (1.0F - own_y) * far);
+  const float own_x = edgeCoverage(edge_x, wide_x), own_y = edgeCoverage(edge_y, wide_y);
+  const auto row_tone = [&](int j) {
+    const float here = tone(column, j);
+    return own_x < 1.0F ? own_x * here + (1.0F - own_x) * tone(column + side_x, j) : here;
+  };
+  const float here = row_tone(row);
+  const float blend = own_y < 1.0F ? own_y * here + (1.0F - own_y) * row_tone(row + side_y) : here;
+  out.brightness = 1.0F + vary * blend;
   const std::uint64_t own = cellHash(seed_ ^ 0x7113, column, row);
   out.shift = {unitFloat(own), unitFloat(mixBits(own))};
+  if (spec_.tilt == 0.0) return out;
   out.tilt = static_cast<float>(spec_.tilt) *
              Vector2f(signedFloat(mixBits(own + 1)), signedFloat(mixBits(own + 2)));
   return out;

@@ -81,10 +81,8 @@ int middleOf(unsigned members) {
 Renderer::Renderer(const Scene& scene)
     : scene_(scene), stage_(scene_), lens_(cameraModel(scene_.camera)), shader_(scene_, stage_) {
   const std::size_t n = index(0, lens_.height());
-  hits_.resize(n);
   seen_.assign(n, kNothing);
   mirrored_.assign(n, kNothing);
-  mirrors_.resize(n);
   views_.resize(static_cast<std::size_t>(lens_.height()));
 }
 
@@ -102,67 +100,58 @@ void Renderer::render(const RowPose& T_world_camera, std::vector<float>& radianc
     views_[static_cast<std::size_t>(v)] = {pose.rotation().cast<float>(),
                                            pose.translation().cast<float>()};
   }
-  radiance.assign(hits_.size(), 0.0F);
-  traceFirst();
-  shadeFirst(radiance);
-  if (shader_.glossyFloor()) traceMirrors(radiance);
+  radiance.assign(seen_.size(), 0.0F);
+  for (int v = 0; v < lens_.height(); v += kBlock) {
+    for (int u = 0; u < lens_.width(); u += kBlock) renderBlock(u, v, radiance);
+  }
   smoothEdges(radiance);
 }
 
-void Renderer::traceFirst() {
-  const int width = lens_.width(), height = lens_.height();
-  for (int v0 = 0; v0 < height; v0 += kBlock) {
-    for (int u0 = 0; u0 < width; u0 += kBlock) {
-      RayPacket packet = emptyPacket();
-      forBlock(u0, v0, width, height, [&](int u, int v, int k) {
-        if (lens_.pixel(u, v).seen) setRay(packet, k, rayOf(u, v, 0, 0));
-      });
-      Hit hits[kPacket];
-      stage_.tracer().nearest(packet, hits);
-      forBlock(u0, v0, width, height, [&](int u, int v, int k) {
-        hits_[index(u, v)] = hits[k];
-        seen_[index(u, v)] =
-            packet.active[k] != 0 ? Stage::surfaceOf(hits[k], packet.direction[k]) : kNothing;
-      });
-    }
-  }
+void Renderer::renderBlock(int u0, int v0, std::vector<float>& radiance) {
+  RayPacket packet = emptyPacket();
+  PixelRay rays[kPacket];
+  Mirror mirrors[kPacket];
+  const auto forPixels = [&](auto&& body) {
+    forBlock(u0, v0, lens_.width(), lens_.height(), body);
+  };
+  forPixels([&](int u, int v, int k) {
+    if (!lens_.pixel(u, v).seen) return;
+    rays[k] = rayOf(u, v, 0, 0);
+    setRay(packet, k, rays[k]);
+  });
+  Hit hits[kPacket];
+  stage_.tracer().nearest(packet, hits);
+  forPixels([&](int u, int v, int k) {
+    int& seen = seen_[index(u, v)];
+    seen = kNothing;
+    if (packet.active[k] == 0) return;
+    const SurfacePoint point = stage_.resolve(rays[k], hits[k]);
+    seen = point.surface;
+    radiance[index(u, v)] = shader_.radiance(point, rays[k], mirrors[k]);
+  });
+  if (shader_.glossyFloor()) addMirrors(u0, v0, mirrors, radiance);
 }
 
-void Renderer::shadeFirst(std::vector<float>& radiance) {
-  for (int v = 0; v < lens_.height(); ++v) {
-    for (int u = 0; u < lens_.width(); ++u) {
-      const std::size_t i = index(u, v);
-      mirrors_[i].share = 0.0F;
-      if (seen_[i] == kNothing) continue;
-      const PixelRay ray = rayOf(u, v, 0, 0);
-      radiance[i] = shader_.radiance(stage_.resolve(ray, hits_[i]), ray, mirrors_[i]);
-    }
+void Renderer::addMirrors(int u0, int v0, const Mirror* mirrors, std::vector<float>& radiance) {
+  RayPacket packet = emptyPacket();
+  int any = 0;
+  for (int k = 0; k < kPacket; ++k) {
+    if (mirrors[k].share <= 0.0F) continue;
+    setRay(packet, k, mirrors[k].ray);
+    any = 1;
   }
-}
-
-void Renderer::traceMirrors(std::vector<float>& radiance) {
-  const int width = lens_.width(), height = lens_.height();
-  for (int v0 = 0; v0 < height; v0 += kBlock) {
-    for (int u0 = 0; u0 < width; u0 += kBlock) {
-      RayPacket packet = emptyPacket();
-      forBlock(u0, v0, width, height, [&](int u, int v, int k) {
-        const Mirror& mirror = mirrors_[index(u, v)];
-        if (mirror.share > 0.0F) setRay(packet, k, mirror.ray);
-      });
-      Hit hits[kPacket];
-      stage_.tracer().nearest(packet, hits);
-      forBlock(u0, v0, width, height, [&](int u, int v, int k) {
-        const std::size_t i = index(u, v);
-        mirrored_[i] = kNothing;
-        if (packet.active[k] == 0) return;
-        mirrored_[i] = Stage::surfaceOf(hits[k], packet.direction[k]);
-        Mirror none;
-        const PixelRay& ray = mirrors_[i].ray;
-        radiance[i] +=
-            mirrors_[i].share * shader_.radiance(stage_.resolve(ray, hits[k]), ray, none);
-      });
-    }
-  }
+  Hit hits[kPacket];
+  if (any != 0) stage_.tracer().nearest(packet, hits);
+  forBlock(u0, v0, lens_.width(), lens_.height(), [&](int u, int v, int k) {
+    const std::size_t i = index(u, v);
+    mirrored_[i] = kNothing;
+    if (packet.active[k] == 0) return;
+    SurfacePoint point = stage_.resolve(mirrors[k].ray, hits[k]);
+    point.weight = mirrors[k].share;
+    mirrored_[i] = point.surface;
+    Mirror none;
+    radiance[i] += mirrors[k].share * shader_.radiance(point, mirrors[k].ray, none);
+  });
 }
 
 bool Renderer::isEdge(int u, int v) const {
@@ -171,7 +160,10 @@ bool Renderer::isEdge(int u, int v) const {
     if (u + du < 0 || u + du >= lens_.width() || v + dv < 0 || v + dv >= lens_.height()) continue;
     const std::size_t other = index(u + du, v + dv);
     if (seen_[other] == kNothing) continue;
-    if (seen_[other] != seen_[i] || mirrored_[other] != mirrored_[i]) return true;
+    if (seen_[other] != seen_[i]) return true;
+    // A mirror image ends softly in a gap, where the floor mirrors nothing.
+    const bool both = mirrored_[other] != kNothing && mirrored_[i] != kNothing;
+    if (both && mirrored_[other] != mirrored_[i]) return true;
   }
   return false;
 }

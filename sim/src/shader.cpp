@@ -11,6 +11,7 @@ using Eigen::Vector3f;
 
 constexpr float kFloorTexel = 0.01F, kSolidTexel = 0.02F;
 constexpr float kGrazingMirror = 0.6F;
+constexpr float kVisibleContrast = 0.004F;  // below the sensor's noise
 
 /// Share of the pattern's second reflectance under a pixel.
 float patternShare(const Material& material, const SurfacePoint& point) {
@@ -83,7 +84,8 @@ Shader::Lit Shader::light(LightMap& map, const SurfacePoint& point) const {
     if ((shares.steep >> k & 1U) != 0) {
       shares.lamp[k] = lampShare(stage_.tracer(), lamp, pixel, kWholeLamp);
     }
-    lit.lamp[k] = shares.lamp[k] * strength(lamp, offset / distance, distance);
+    lit.to_lamp[k] = offset / distance;
+    lit.lamp[k] = shares.lamp[k] * strength(lamp, lit.to_lamp[k], distance);
     lit.diffuse += lit.lamp[k] * facing;
   }
   return lit;
@@ -95,12 +97,14 @@ float Shader::albedoOf(const SurfacePoint& point) const {
   auto albedo = static_cast<float>(material.albedo);
   const float pattern = patternShare(material, point);
   albedo += pattern * (static_cast<float>(material.pattern_albedo) - albedo);
-  if (const Texture* grain = grains_[index]) {
+  const Texture* grain = grains_[index];
+  const auto contrast = static_cast<float>(material.grain_contrast);
+  if (grain != nullptr && contrast * point.weight > kVisibleContrast) {
     const float scale = 1.0F / static_cast<float>(material.grain_size);
     const Vector2f at =
         point.coords * scale + Vector2f::Constant(0.37F * static_cast<float>(index));
     const float value = grain->sample(at, {point.pixel.dx * scale, point.pixel.dy * scale});
-    albedo *= 1.0F + static_cast<float>(material.grain_contrast) * value;
+    albedo *= 1.0F + contrast * value;
   }
   return std::clamp(albedo, 0.0F, 1.0F);
 }
@@ -110,18 +114,19 @@ float Shader::solid(const SurfacePoint& point) {
   return albedoOf(point) * lit.diffuse;
 }
 
-float Shader::highlights(const SurfacePoint& point, const Vector3f& normal, const Vector3f& to_eye,
-                         const Lit& lit) const {
+float Shader::highlights(const Vector3f& normal, const Vector3f& to_eye, const Lit& lit) const {
   float sum = 0.0F;
   for (std::size_t k = 0; k < scene_.lamps.size(); ++k) {
     if (lit.lamp[k] <= 0.0F) continue;
-    const Vector3f to_lamp = (scene_.lamps[k].at.cast<float>() - point.position).normalized();
-    const float half = normal.dot((to_lamp + to_eye).normalized());
+    // Cosine between the normal and the half-way vector of two unit vectors.
+    const float half = (normal.dot(lit.to_lamp[k]) + normal.dot(to_eye)) /
+                       std::sqrt(2.0F + 2.0F * to_eye.dot(lit.to_lamp[k]));
     // A panel's highlight is wider than a point's by its own angle.
     const auto spread = static_cast<float>(scene_.lamps[k].size / scene_.lamps[k].at.z());
     const auto shine = static_cast<float>(scene_.floor.shininess);
     const float exponent = shine / (1.0F + shine * spread * spread / 8.0F);
-    sum += lit.lamp[k] * std::pow(std::max(half, 0.0F), exponent) * exponent / shine;
+    if (exponent * (1.0F - half) > 9.0F) continue;  // under e^-9 of the peak
+    sum += lit.lamp[k] * std::pow(half, exponent) * exponent / shine;
   }
   return sum * static_cast<float>(scene_.floor.specular);
 }
@@ -133,7 +138,7 @@ float Shader::floor(const SurfacePoint& point, const PixelRay& ray, Mirror& mirr
   if (scene_.floor.specular <= 0.0 && !glossyFloor()) return radiance;
   const Vector3f normal = Vector3f(look.tilt.x(), look.tilt.y(), 1.0F).normalized();
   const Vector3f to_eye = -ray.direction.normalized();
-  radiance += look.gloss * highlights(point, normal, to_eye, lit);
+  radiance += look.gloss * highlights(normal, to_eye, lit);
   if (!glossyFloor()) return radiance;
   const auto straight = static_cast<float>(scene_.floor.reflection);
   const float grazing = std::pow(1.0F - std::max(0.0F, normal.dot(to_eye)), 5.0F);

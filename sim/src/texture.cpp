@@ -102,49 +102,69 @@ std::vector<float> halved(const std::vector<float>& fine, int n) {
   return coarse;
 }
 
+std::vector<float> padded(const std::vector<float>& texels, int n) {
+  std::vector<float> out;
+  out.reserve(static_cast<std::size_t>(n + 1) * static_cast<std::size_t>(n + 1));
+  for (int j = 0; j <= n; ++j) {
+    const float* row = texels.data() + static_cast<std::ptrdiff_t>(j % n) * n;
+    out.insert(out.end(), row, row + n);
+    out.push_back(row[0]);
+  }
+  return out;
+}
+
 }  // namespace
 
 Texture::Texture(Grain grain, std::uint64_t seed) {
-  levels_[0] = baseLevel(grain, seed);
-  for (int level = 1; level < kLevels; ++level) {
-    levels_[level] = halved(levels_[level - 1], kSize >> (level - 1));
+  std::vector<float> texels = baseLevel(grain, seed);
+  for (int level = 0; level < kLevels; ++level) {
+    levels_[level] = padded(texels, kSize >> level);
+    if (level + 1 < kLevels) texels = halved(texels, kSize >> level);
   }
+  const Octave finest = octavesOf(grain).back();
+  const int spacing = kSize / std::max(finest.cells_s, finest.cells_t);
+  while ((4 << smooth_level_) < spacing) ++smooth_level_;
 }
 
 float Texture::sum(int level, const Taps& taps) const {
   const int n = kSize >> level, mask = n - 1;
-  const float scale = static_cast<float>(n) / kSize;
+  const auto scale = static_cast<float>(n);
   const float* texels = levels_[level].data();
   float total = 0.0F;
   for (int k = 0; k < taps.count; ++k) {
     const float x = (taps.first.x() + static_cast<float>(k) * taps.step.x()) * scale - 0.5F;
     const float y = (taps.first.y() + static_cast<float>(k) * taps.step.y()) * scale - 0.5F;
-    const int i = floorOf(x), j = floorOf(y);
+    const int i = static_cast<int>(x), j = static_cast<int>(y);
     const float u = x - static_cast<float>(i), v = y - static_cast<float>(j);
-    const float* low = texels + static_cast<std::ptrdiff_t>(j & mask) * n;
-    const float* high = texels + static_cast<std::ptrdiff_t>((j + 1) & mask) * n;
-    const int a = i & mask, b = (i + 1) & mask;
-    const float bottom = low[a] + u * (low[b] - low[a]), top = high[a] + u * (high[b] - high[a]);
-    total += bottom + v * (top - bottom);
+    const float* low = texels + (j & mask) * (n + 1) + (i & mask);
+    const float* high = low + n + 1;
+    const float left = low[0] + v * (high[0] - low[0]), right = low[1] + v * (high[1] - low[1]);
+    total += left + u * (right - left);
   }
   return total;
 }
 
 float Texture::sample(Eigen::Vector2f p, const Footprint2& pixel) const {
-  constexpr float longest = 8.0F;  // taps along a stretched footprint
+  constexpr float longest = 6.0F;  // taps along a stretched footprint
   const float xx = pixel.dx.squaredNorm(), yy = pixel.dy.squaredNorm();
-  const Eigen::Vector2f major = (xx > yy ? pixel.dx : pixel.dy) * kSize;
+  const Eigen::Vector2f major = xx > yy ? pixel.dx : pixel.dy;
   const float length = std::sqrt(std::max(xx, yy)) * kSize;
+  const Eigen::Vector2f inside(p.x() - static_cast<float>(floorOf(p.x())),
+                               p.y() - static_cast<float>(floorOf(p.y())));
+  const auto smooth = static_cast<float>(1 << smooth_level_);
+  if (length <= 1.4F * smooth) {
+    return sum(smooth_level_, {inside.array() + 1.0F, Eigen::Vector2f::Zero(), 1});
+  }
   const float area = std::abs(pixel.dx.x() * pixel.dy.y() - pixel.dx.y() * pixel.dy.x());
-  const float minor = std::max(area * kSize * kSize / std::max(length, 1e-9F), length / longest);
-  const float stretch = length / std::max(minor, 1.0F) + 0.75F;
-  const int count = std::max(1, static_cast<int>(stretch));
-  const float share = 1.0F / static_cast<float>(count);
-  const Taps taps{p * kSize + (0.5F * share - 0.5F) * major, share * major, count};
-  if (minor <= 1.4F) return share * sum(0, taps);
+  const float across = area * kSize * kSize / length;
+  const float minor = std::max(across, std::max(length / longest, smooth));
   const float level = std::log2(minor) - 0.5F;
   const int fine = static_cast<int>(level);
-  if (fine >= kLevels - 1) return levels_[kLevels - 1][0];
+  if (fine >= kLevels - 3) return levels_[kLevels - 1][0];
+  const int count = std::max(1, static_cast<int>(length / minor + 0.75F));
+  const float share = 1.0F / static_cast<float>(count);
+  const Taps taps{(inside + (0.5F * share - 0.5F) * major).array() + 4.0F, share * major, count};
+  if (level <= static_cast<float>(smooth_level_)) return share * sum(smooth_level_, taps);
   const float a = sum(fine, taps), b = sum(fine + 1, taps);
   return share * (a + (level - static_cast<float>(fine)) * (b - a));
 }

@@ -29,9 +29,8 @@ class Renderer {
     Eigen::Vector3f origin;
   };
   [[nodiscard]] PixelRay rayOf(int u, int v, float du, float dv) const;
-  void traceFirst();
-  void shadeFirst(std::vector<float>& radiance);
-  void traceMirrors(std::vector<float>& radiance);
+  void renderBlock(int u0, int v0, std::vector<float>& radiance);
+  void addMirrors(int u0, int v0, const Mirror* mirrors, std::vector<float>& radiance);
   void smoothEdges(std::vector<float>& radiance);
   [[nodiscard]] bool isEdge(int u, int v) const;
   [[nodiscard]] float smoothed(int u, int v);
@@ -47,9 +46,7 @@ class Renderer {
   Lens lens_;
   Shader shader_;
   std::vector<View> views_;
-  std::vector<Hit> hits_;
   std::vector<int> seen_, mirrored_;  ///< surface of each pixel, and of its mirror image
-  std::vector<Mirror> mirrors_;
 };
 
 }  // namespace ipm_mapping::sim

@@ -33,11 +33,12 @@ class Shader {
  private:
   struct Lit {
     float diffuse = 0.0F, lamp[kMaxLamps] = {};
+    Eigen::Vector3f to_lamp[kMaxLamps];  ///< unit vectors, of the lamps with light
   };
   Lit light(LightMap& map, const SurfacePoint& point) const;
   [[nodiscard]] float albedoOf(const SurfacePoint& point) const;
-  [[nodiscard]] float highlights(const SurfacePoint& point, const Eigen::Vector3f& normal,
-                                 const Eigen::Vector3f& to_eye, const Lit& lit) const;
+  [[nodiscard]] float highlights(const Eigen::Vector3f& normal, const Eigen::Vector3f& to_eye,
+                                 const Lit& lit) const;
 
   const Scene& scene_;
   const Stage& stage_;

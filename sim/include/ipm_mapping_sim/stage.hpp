@@ -25,6 +25,7 @@ struct PixelRay {
 /// The visible point of a pixel: where it is and how much of the surface the pixel covers.
 struct SurfacePoint {
   int surface = kSky;
+  float weight = 1.0F;  ///< share of the pixel's light that comes from here
   Eigen::Vector3f position, normal, dpdx, dpdy;
   Eigen::Vector2f coords;  ///< metres along the surface; x and y on the floor
   Footprint2 pixel;        ///< of the coords

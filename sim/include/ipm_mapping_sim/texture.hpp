@@ -41,13 +41,15 @@ class Texture {
   static constexpr int kSize = 1 << (kLevels - 1);
 
  private:
-  struct Taps {  ///< a row of samples through the footprint, in texels of level 0
+  struct Taps {  ///< a row of samples through the footprint, in repeats; all coordinates positive
     Eigen::Vector2f first, step;
     int count;
   };
   [[nodiscard]] float sum(int level, const Taps& taps) const;
 
+  /// Each level has its first row and column again after its last: no wrap between neighbours.
   std::vector<float> levels_[kLevels];
+  int smooth_level_ = 0;  ///< finest level that is worth reading
 };
 
 /// The textures of a scene, each made once.
