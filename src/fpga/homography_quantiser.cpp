@@ -125,32 +125,60 @@ ErrorGrid::ErrorGrid(const GroundView& view, const Eigen::Matrix3d& G) {
     const int v = i / columns * (lens.height() - 1) / (rows - 1);
     const Eigen::Vector3d g = G * Eigen::Vector3d(u, v, 1.0);
     if (!(floor.inverseDepth(u, v) > 0.0) || !(g.z() > 0.0)) continue;
-    const Point point{static_cast<double>(u), static_cast<double>(v), g.x() / g.z(), g.y() / g.z()};
-    if (seen(point.u, point.v) && seen(point.x, point.y)) {
-      points_[static_cast<std::size_t>(size_++)] = point;
-    }
+    const Eigen::Vector2d target = g.hnormalized();
+    if (seen(u, v) && seen(target.x(), target.y())) add(u, v, target);
+  }
+  pad();
+}
+
+void ErrorGrid::add(double u, double v, const Eigen::Vector2d& target) {
+  const auto i = static_cast<std::size_t>(size_++);
+  u_[i] = u;
+  v_[i] = v;
+  x_[i] = target.x();
+  y_[i] = target.y();
+}
+
+/// Fills the last group with copies of a point, which change no maximum.
+void ErrorGrid::pad() {
+  for (auto i = static_cast<std::size_t>(size_); size_ > 0 && i < padded; ++i) {
+    u_[i] = u_[0];
+    v_[i] = v_[0];
+    x_[i] = x_[0];
+    y_[i] = y_[0];
+  }
+}
+
+/// The group that refused a candidate is likely to refuse the next one.
+void ErrorGrid::moveToFront(std::size_t worst) {
+  for (auto* array : {&u_, &v_, &x_, &y_}) {
+    std::swap_ranges(array->begin(), array->begin() + group,
+                     array->begin() + static_cast<std::ptrdiff_t>(worst));
   }
 }
 
 std::optional<std::int64_t> ErrorGrid::error(const HomographyWords& words, std::int64_t limit) {
   std::array<double, 9> h;
   for (std::size_t i = 0; i < h.size(); ++i) h[i] = words[i] * (isOffset(i) ? 16.0 : 1.0);
-  double worst = -1.0;
-  std::size_t worst_index = 0;
   const double bound = static_cast<double>(limit) / error_units;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(size_); ++i) {
-    const Point& p = points_[i];
-    const double d = h[6] * p.u + h[7] * p.v + h[8];
-    if (!(d > 0.0)) return std::nullopt;
-    const double error = std::hypot((h[0] * p.u + h[1] * p.v + h[2]) / d - p.x,
-                                    (h[3] * p.u + h[4] * p.v + h[5]) / d - p.y);
-    if (!(error > worst)) continue;
-    worst = error;
-    worst_index = i;
-    if (!(worst < bound)) break;
+  double worst = 0.0;
+  for (std::size_t first = 0; first < static_cast<std::size_t>(size_); first += group) {
+    double lowest_d = std::numeric_limits<double>::infinity(), highest = 0.0;
+    for (std::size_t i = first; i < first + group; ++i) {
+      const double d = h[6] * u_[i] + h[7] * v_[i] + h[8];
+      const double dx = (h[0] * u_[i] + h[1] * v_[i] + h[2]) / d - x_[i];
+      const double dy = (h[3] * u_[i] + h[4] * v_[i] + h[5]) / d - y_[i];
+      const double squared = dx * dx + dy * dy;
+      lowest_d = d < lowest_d ? d : lowest_d;
+      highest = squared > highest ? squared : highest;
+    }
+    if (!(lowest_d > 0.0)) return std::nullopt;
+    worst = std::max(worst, highest);
+    if (std::sqrt(worst) < bound) continue;
+    if (first > 0) moveToFront(first);
+    return std::nullopt;
   }
-  std::swap(points_[0], points_[worst_index]);
-  const double units = std::round(worst * error_units);
+  const double units = std::round(std::sqrt(worst) * error_units);
   if (!(units < static_cast<double>(limit))) return std::nullopt;
   return static_cast<std::int64_t>(units);
 }

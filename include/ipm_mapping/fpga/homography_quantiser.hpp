@@ -35,11 +35,16 @@ class ErrorGrid {
   [[nodiscard]] std::optional<std::int64_t> error(const HomographyWords& words, std::int64_t limit);
 
  private:
-  struct Point {
-    double u, v;  ///< integers
-    double x, y;  ///< where G takes them
-  };
-  std::array<Point, capacity> points_;
+  /// Points are looked at in groups, so that a bad candidate is dropped early.
+  static constexpr std::size_t group = 16;
+  static constexpr std::size_t padded = (capacity + group - 1) / group * group;
+
+  void add(double u, double v, const Eigen::Vector2d& target);
+  void pad();
+  void moveToFront(std::size_t worst);
+
+  std::array<double, padded> u_{}, v_{};  ///< integers
+  std::array<double, padded> x_{}, y_{};  ///< where G takes them
   int size_ = 0;
 };
 
