@@ -68,6 +68,7 @@ void InversePerspectiveMapping::difference(GrayBuffer difference, GrayBuffer val
 
 void InversePerspectiveMapping::remember() {
   if (!frame_.image.empty()) references_.remember(frame_.stamp, frame_.T_odom_base, frame_.image);
+  frame_ = Frame{};  // the picture is the caller's: valid until here
 }
 
 }  // namespace ipm_mapping

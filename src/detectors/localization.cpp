@@ -6,43 +6,6 @@
 #include "ipm_mapping/stages/obstacle_mask.hpp"
 
 namespace ipm_mapping {
-namespace {
-
-using Floor = LocalizationFloor;
-
-/// The stretch of floor that one line sees within the range that is looked at.
-struct Stretch {
-  int rows = 0;       ///< rows on the floor within range
-  int seen = 0;       ///< of these, seen by both frames
-  double near = 0.0;  ///< metres from the foot: lowest seen row
-  double far = 0.0;   ///< highest row of the unbroken run that starts there
-  Eigen::Vector2d far_point{1.0, 0.0};
-};
-
-Stretch measure(const std::int16_t* column, GrayView obstacle_mask, const Floor& floor,
-                double max_range) {
-  Stretch stretch;
-  bool broken = false;
-  for (int v = obstacle_mask.height - 1; v >= 0; --v) {
-    if (column[v] == PolarBeam::outside) continue;
-    const auto point = floor.at(column[v], v);
-    if (!point || point->norm() > max_range) break;
-    ++stretch.rows;
-    if (obstacle_mask.at(column[v], v) == mask::unseen) {
-      broken = broken || stretch.seen > 0;
-      continue;
-    }
-    const double distance = (*point - floor.foot).norm();
-    if (stretch.seen++ == 0) stretch.near = distance;
-    if (broken) continue;
-    stretch.far = distance;
-    stretch.far_point = *point;
-  }
-  return stretch;
-}
-
-}  // namespace
-
 double effectiveMaxRange(double parameter, const CameraModel& camera,
                          const CameraPose& T_base_camera) {
   if (parameter > 0.0) return parameter;
@@ -50,40 +13,25 @@ double effectiveMaxRange(double parameter, const CameraModel& camera,
   return std::isfinite(near) ? std::max(2.0, 3.0 * near) : 2.0;
 }
 
-Bearing Localization::describeBearing(int line, GrayView obstacle_mask, const Floor& floor,
-                                      double max_range) const {
-  const auto i = static_cast<std::size_t>(line);
-  const std::int16_t* column = beam_.columns(line);
-  const Stretch stretch = measure(column, obstacle_mask, floor, max_range);
-  Bearing bearing;
-  bearing.angle = floor.angle(stretch.far_point);
-  bearing.near = static_cast<float>(stretch.near);
-  bearing.range = static_cast<float>(stretch.far);
-  if (histogram_.seen[i] > 0)
-    bearing.density =
-        static_cast<float>(histogram_.obstacle[i]) / static_cast<float>(histogram_.seen[i]);
-  if (stretch.seen > 0 && stretch.seen >= parameters_.min_floor_share * stretch.rows)
-    bearing.state = BearingState::Free;
-
-  const auto occupy = [&](int u, int v, BearingState state) {
-    const auto p = floor.at(u, v);
-    if (!p || p->norm() > max_range) return;
-    bearing.angle = floor.angle(*p);
-    bearing.range = static_cast<float>((*p - floor.foot).norm());
-    bearing.state = state;
-  };
-  // What stops the line nearer to the robot, a contact or a blob without one, decides.
-  const LineContacts& found = lines_[i];
+std::optional<LineStop> Localization::stopOf(int line) const {
+  const LineContacts& found = lines_[static_cast<std::size_t>(line)];
   const TriangleContact* contact =
       found.nearest < 0 ? nullptr : &finder_.contacts()[static_cast<std::size_t>(found.nearest)];
+  // What stands nearer to the robot on the line, a contact or a blob without one, decides.
   if (found.blocked_row >= 0 && (contact == nullptr || found.blocked_row > contact->v))
-    occupy(column[found.blocked_row], found.blocked_row, BearingState::Blocked);
-  else if (contact != nullptr)
-    occupy(contact->u, contact->v, BearingState::Occupied);
-  return bearing;
+    return LineStop{beam_.columns(line)[found.blocked_row], found.blocked_row,
+                    BearingState::Blocked};
+  if (contact == nullptr) return std::nullopt;
+  return LineStop{contact->u, contact->v, BearingState::Occupied};
 }
 
-void Localization::collectCandidates(const Floor& floor, Obstacles& obstacles) const {
+float Localization::densityOf(int line) const {
+  const auto i = static_cast<std::size_t>(line);
+  if (histogram_.seen[i] == 0) return 0.0F;
+  return static_cast<float>(histogram_.obstacle[i]) / static_cast<float>(histogram_.seen[i]);
+}
+
+void Localization::collectCandidates(const FloorOfView& floor, Obstacles& obstacles) const {
   for (const TriangleContact& c : finder_.contacts()) {
     const auto p = floor.at(c.u, c.v);
     if (!p || p->norm() > obstacles.max_range) continue;
@@ -106,8 +54,12 @@ void Localization::selectContacts(Obstacles& obstacles) {
     if (last) nearest_.push_back(static_cast<int>(i));
   }
   if (parameters_.selection == Selection::EveryBearing) {
-    for (const int i : nearest_)
-      obstacles.contacts.push_back(obstacles.candidates[static_cast<std::size_t>(i)]);
+    // A contact behind a blob without one is not what stops the bearing.
+    for (const int i : nearest_) {
+      const Contact& contact = obstacles.candidates[static_cast<std::size_t>(i)];
+      const Bearing& bearing = obstacles.bearings[static_cast<std::size_t>(contact.bearing)];
+      if (bearing.state == BearingState::Occupied) obstacles.contacts.push_back(contact);
+    }
     return;
   }
   selection_.clear();
@@ -137,14 +89,25 @@ FrameStatus Localization::process(const GroundView& view, GrayView obstacle_mask
                  parameters_.beam))
     return FrameStatus::FocusUnusable;
 
-  histogram_.count(beam_, obstacle_mask);                                // §5.2
-  finder_.find(beam_, obstacle_mask, parameters_, lines_);               // §5.3
+  const auto n_lines = static_cast<std::size_t>(beam_.lines());
+  obstacles.bearings.reserve(n_lines);
+  obstacles.contacts.reserve(n_lines);
+  peaks_.reserve(n_lines);
+  nearest_.reserve(n_lines);
+  chosen_.reserve(n_lines);
+  selection_.reserve(n_lines);
+
+  histogram_.count(beam_, obstacle_mask);                   // §5.2
+  finder_.find(beam_, obstacle_mask, parameters_, lines_);  // §5.3
+  obstacles.candidates.reserve(finder_.most());
   findPeaks(histogram_.obstacle, parameters_.single_bin_peaks, peaks_);  // §3.7
   groupPeaks(histogram_.obstacle, parameters_.free_space_rule, parameters_.valley_threshold,
              peaks_);
-  const Floor floor{view.currentFloor(), view.cameraFoot()};
+  const FloorOfView floor(view);
   for (int line = 0; line < beam_.lines(); ++line)
-    obstacles.bearings.push_back(describeBearing(line, obstacle_mask, floor, obstacles.max_range));
+    obstacles.bearings.push_back(floorBearing({beam_.columns(line), obstacle_mask}, floor,
+                                              obstacles.max_range, parameters_.min_floor_share,
+                                              densityOf(line), stopOf(line)));
   collectCandidates(floor, obstacles);  // eq. 5.18
   selectContacts(obstacles);            // §5.4.1
   return FrameStatus::Used;

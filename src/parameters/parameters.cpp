@@ -1,5 +1,7 @@
 #include "ipm_mapping/parameters.hpp"
 
+#include <cmath>
+
 #include "ipm_mapping/parameters/visitors.hpp"
 
 namespace ipm_mapping {
@@ -61,6 +63,10 @@ void Parameters::validate() const {
   groups(*this, [](const char* name, const auto& group) { validateFields(name, group); });
   if (map.free_below >= map.occupied_above)
     throw ParameterError("map/free_below has to be lower than map/occupied_above");
+  const double surest = 1.0 / (1.0 + std::exp(-map.clamp));
+  if (surest < map.occupied_above || 1.0 - surest > map.free_below)
+    throw ParameterError("map/clamp = " + parameter_detail::numberText(map.clamp) +
+                         ": no cell could ever reach map/occupied_above or map/free_below");
 }
 
 }  // namespace ipm_mapping

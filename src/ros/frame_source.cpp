@@ -23,6 +23,8 @@ std::string explain(GateDrop reason, const std::string& odometry) {
       return "image is not newer than the one before it";
     case GateDrop::BadStamp:
       return "image without a usable stamp";
+    case GateDrop::ClockJump:
+      return "image still waited for odometry when the clock was set back";
   }
   return "image dropped";
 }

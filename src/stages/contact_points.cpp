@@ -97,6 +97,10 @@ void ContactFinder::find(const PolarBeam& beam, GrayView obstacle_mask,
                          const LocalizationParameters& parameters,
                          std::vector<LineContacts>& lines) {
   contacts_.clear();
+  // As many as fit, so that no frame has to ask for memory: every triangle has its rows and the
+  // gap that ends it.
+  const int most = beam.height() / (parameters.min_height + 1) + 1;
+  contacts_.reserve(static_cast<std::size_t>(beam.lines()) * static_cast<std::size_t>(most));
   lines.assign(static_cast<std::size_t>(beam.lines()), LineContacts{});
   for (int i = 0; i < beam.lines(); ++i)
     follow(beam, i, obstacle_mask, parameters, lines[static_cast<std::size_t>(i)]);

@@ -15,7 +15,12 @@ constexpr double converged = 5e-5;      // metres and radians
 constexpr double linear_within = 0.03;  // camera heights, radians: beyond it positions are redone
 constexpr int margin = 3;               // rows that a sample keeps from the edge of the view
 
-float bilinear(const Image<std::uint8_t>& image, float row, float line) {
+/// Grey level between pixels and its slopes there.
+struct Patch {
+  float value, by_row, by_line;
+};
+
+Patch patchAt(const Image<std::uint8_t>& image, float row, float line) {
   const float r = std::clamp(row, 0.0F, static_cast<float>(image.width()) - 1.01F);
   const float l = std::clamp(line, 0.0F, static_cast<float>(image.height()) - 1.01F);
   const int ir = static_cast<int>(r), il = static_cast<int>(l);
@@ -25,7 +30,7 @@ float bilinear(const Image<std::uint8_t>& image, float row, float line) {
   const auto p0 = static_cast<float>(p[0]), p1 = static_cast<float>(p[1]);
   const auto q0 = static_cast<float>(q[0]), q1 = static_cast<float>(q[1]);
   const float here = p0 + a * (p1 - p0), next = q0 + a * (q1 - q0);
-  return here + b * (next - here);
+  return {here + b * (next - here), (p1 - p0) + b * ((q1 - q0) - (p1 - p0)), next - here};
 }
 
 double tukeyWeight(double e, double limit) {
@@ -65,6 +70,7 @@ void MotionRefinement::configure(const PolarGrid& grid, const std::vector<RowRan
   foot_ = camera_foot;
   parameters_ = parameters;
   points_.clear();
+  floor_begin_.assign(static_cast<std::size_t>(grid.lines), 0);
   const int first = std::max(0, static_cast<int>(grid.row(grid.height * parameters.farthest)));
   for (int line = 1; line < grid.lines - 1; line += parameters.line_step) {
     const RowRange range = rows[static_cast<std::size_t>(line)];
@@ -95,15 +101,9 @@ bool MotionRefinement::linearizeOne(const FloorPoint& point, const FootMotion& m
   const Eigen::Vector3d across(-p.y(), p.x(), p.x() * turned.y() - p.y() * turned.x());
   s.row = static_cast<float>(row);
   s.line = static_cast<float>(line);
-  const Image<std::uint8_t>& image = reference.image;
-  const float by_row =
-      0.5F * (bilinear(image, s.row + 1, s.line) - bilinear(image, s.row - 1, s.line));
-  const float by_line =
-      0.5F * (bilinear(image, s.row, s.line + 1) - bilinear(image, s.row, s.line - 1));
   for (int k = 0; k < 3; ++k) {
     s.d_row[k] = static_cast<float>(-grid_.rows_per_log * along[k] / d2);
     s.d_line[k] = static_cast<float>(-grid_.lines_per_radian * across[k] / d2);
-    s.gradient[k] = by_row * s.d_row[k] + by_line * s.d_line[k];
   }
   s.reference_mean = reference.mean.at(s.row, s.line);
   return true;
@@ -114,6 +114,7 @@ void MotionRefinement::linearize(const RectifiedFrame& current, const RectifiedF
   const FootMotion foot_motion(motion, foot_);
   samples_.clear();
   for (const FloorPoint& point : points_) {
+    if (point.row < floor_begin_[static_cast<std::size_t>(point.line)]) continue;
     Sample s;
     if (!linearizeOne(point, foot_motion, reference, s)) continue;
     s.current = static_cast<float>(current.image.at(point.row, point.line));
@@ -124,10 +125,14 @@ void MotionRefinement::linearize(const RectifiedFrame& current, const RectifiedF
 
 void MotionRefinement::warp(const RectifiedFrame& reference, const Eigen::Vector3d& correction) {
   const Eigen::Vector3f c = correction.cast<float>();
-  for (Sample& s : samples_)
-    s.warped =
-        bilinear(reference.image, s.row + s.d_row[0] * c[0] + s.d_row[1] * c[1] + s.d_row[2] * c[2],
-                 s.line + s.d_line[0] * c[0] + s.d_line[1] * c[1] + s.d_line[2] * c[2]);
+  for (Sample& s : samples_) {
+    const Patch patch = patchAt(
+        reference.image, s.row + s.d_row[0] * c[0] + s.d_row[1] * c[1] + s.d_row[2] * c[2],
+        s.line + s.d_line[0] * c[0] + s.d_line[1] * c[1] + s.d_line[2] * c[2]);
+    s.warped = patch.value;
+    for (int k = 0; k < 3; ++k)
+      s.gradient[k] = patch.by_row * s.d_row[k] + patch.by_line * s.d_line[k];
+  }
 }
 
 /// Robust standard deviation of the residual, within sane bounds.
@@ -151,7 +156,7 @@ void MotionRefinement::step(const Prior& prior, const SE2& base, Eigen::Vector3d
   Matrix5 A = Matrix5::Zero();
   Vector5 b = Vector5::Zero();
   const double gain = state.photometric.gain, offset = state.photometric.offset;
-  const double limit = tukey * state.sigma;
+  const double limit = tukey * std::max(state.sigma, anneal_);
   for (const Sample& s : samples_) {
     const double warped = static_cast<double>(s.warped - s.reference_mean);
     const double e = static_cast<double>(s.current - s.current_mean) - (gain * warped + offset);
@@ -222,6 +227,7 @@ RefinedMotion MotionRefinement::refine(const RectifiedFrame& current,
   if (state.samples < parameters_.min_samples) return state;
   for (int i = 0; parameters_.refine && i < parameters_.iterations; ++i) {
     const Eigen::Vector3d before = correction;
+    anneal_ = parameters_.first_spread * std::pow(0.5, i);
     step(prior, base, correction, state);
     state.refined = true;
     if (correction.head<2>().norm() > linear_within * grid_.height ||
@@ -234,7 +240,7 @@ RefinedMotion MotionRefinement::refine(const RectifiedFrame& current,
       continue;
     }
     warp(reference, correction);
-    if ((correction - before).cwiseAbs().maxCoeff() < converged) break;
+    if (anneal_ < least_spread * 4 && (correction - before).cwiseAbs().maxCoeff() < converged) break;
   }
   fitBrightness(state);
   return state;

@@ -86,6 +86,7 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
     lap("vertical_sweep");
     selection_.select(scores_, choices_);
     fillObstacles(obstacles);
+    maskFloor();
     lap("bearing_selection");
   }
   ring_.offer(current_);
@@ -111,6 +112,23 @@ FrameStatus SweepDetector::findReferences(const Frame& frame) {
   return ring_.farEnough(pose, frame.stamp, p.short_baseline * grid_.height)
              ? FrameStatus::TooMuchRotation
              : FrameStatus::NoReference;
+}
+
+/// What the next frame may take for floor: everything in front of this frame's contacts.
+void SweepDetector::maskFloor() {
+  refinement_.forgetFloor();
+  for (int line = 0; line < grid_.lines; ++line) {
+    const int beam = std::clamp((line - kernels::beam_lines / 2) / parameters_.evidence.beam_step, 0,
+                                sweep_.beams() - 1);
+    double nearest = 0.0;
+    for (int b = std::max(0, beam - 1); b <= std::min(sweep_.beams() - 1, beam + 1); ++b) {
+      const BeamChoice& choice = choices_[static_cast<std::size_t>(b)];
+      if (choice.any())
+        nearest = std::max(nearest, sweep_.sweepRow(choice.candidate) * PolarGrid::rows_per_sweep_row);
+    }
+    if (nearest > 0.0)
+      refinement_.setFloorBegin(line, static_cast<int>(nearest + 0.03 * grid_.rows_per_log));
+  }
 }
 
 void SweepDetector::splitCurrent() {

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "ipm_mapping/io/parameters_yaml.hpp"
 #include "ipm_mapping/io/run_files.hpp"
 #include "ipm_mapping/mapping/map_io.hpp"
 #include "ipm_mapping/ros/offline_run.hpp"
@@ -53,7 +54,7 @@ void declare(CLI::App& app, Arguments& a) {
 }
 
 void settle(Arguments& a) {
-  a.options.parameters = Parameters::profile(a.profile);
+  a.options.parameters = profileOrFile(a.profile);
   for (const std::string& setting : a.settings) {
     const auto equals = setting.find('=');
     if (equals == std::string::npos)

@@ -15,6 +15,7 @@
 
 #include "fpga/oracle/generator.hpp"
 #include "fpga/oracle/vectors.hpp"
+#include "ipm_mapping/fpga/fast_kernels.hpp"
 #include "ipm_mapping/fpga/vectors.hpp"
 
 namespace ipm_mapping::fpga {
@@ -72,7 +73,7 @@ bool runTwin(Datapath& datapath, const oracle::Inputs& in, int margin, oracle::W
   w = oracle::Wires{};
   w.width = in.params.width;
   w.height = in.params.height;
-  Padded<uint8_t> reference(w.width, w.height, margin), current(w.width, w.height, margin);
+  Padded<uint8_t> reference(w.width, w.height, margin), current(w.width, w.height, 2 * margin);
   reference.load(in.reference);
   current.load(in.current);
   Padded<TaggedPixel> difference(w.width, w.height, margin), gaussian(w.width, w.height, margin);
@@ -113,20 +114,33 @@ struct Tally {
   }
 };
 
-/// Both engines, kept from frame to frame as a node keeps them: a frame must leave no trace.
+/// Every engine and instruction set, kept from frame to frame as a node keeps them: a frame must
+/// leave no trace in the next.
 class Comparison {
  public:
+  Comparison() {
+    twins_.emplace("staged", Datapath(Engine::Staged));
+    for (const FastKernels* kernels : supportedKernels()) {
+      twins_.emplace(kernels->name, Datapath(Engine::Fast, *kernels));
+    }
+  }
+
   void frame(uint64_t seed, oracle::Kind kind) {
     const oracle::Inputs in = oracle::randomInputs(seed, kind);
-    const std::string where = std::string(" (") + oracle::kindName(kind) + ", seed " +
-                              std::to_string(seed) + ", " + std::to_string(in.params.width) + "x" +
-                              std::to_string(in.params.height) + ")";
-    ASSERT_EQ(oracle::checkRanges(in.params), "") << where;
+    ASSERT_EQ(oracle::checkRanges(in.params), "") << oracle::kindName(kind) << ", seed " << seed;
+    compare(in, static_cast<int>(seed % 3) * 5,
+            std::string(oracle::kindName(kind)) + ", seed " + std::to_string(seed));
+  }
+
+  void compare(const oracle::Inputs& in, int margin, const std::string& where) {
     const oracle::Wires expected = oracle::run(in);
-    const int margin = static_cast<int>(seed % 3) * 5;
-    check(expected, runTwin(staged_, in, margin, found_), "staged" + where);
-    check(expected, runTwin(fast_, in, margin, found_), "fast" + where);
-    check(expected, runResultsOnly(fast_, in, found_), "fast, no images" + where);
+    const std::string size =
+        ", " + std::to_string(in.params.width) + "x" + std::to_string(in.params.height);
+    for (auto& [name, datapath] : twins_) {
+      check(expected, runTwin(datapath, in, margin, found_), name + " (" + where + size + ")");
+      if (name == "staged") continue;
+      check(expected, runResultsOnly(datapath, in, found_), name + ", no images (" + where + ")");
+    }
     tally.add(expected);
   }
 
@@ -139,7 +153,7 @@ class Comparison {
     if (++tally.mismatches <= 20) ADD_FAILURE() << where << ": " << mismatch;
   }
 
-  Datapath staged_{Engine::Staged}, fast_{Engine::Fast};
+  std::map<std::string, Datapath> twins_;
   oracle::Wires found_;
 };
 
@@ -161,13 +175,14 @@ bool isSmall(int kind) {
 
 void report(const Tally& tally) {
   std::cout << "[  oracle  ] " << tally.pixels << " pixels in " << tally.frames
-            << " frames, each through both engines; mismatches: " << tally.mismatches << "\n";
+            << " frames, each through the staged twins and " << supportedKernels().size()
+            << " kernel sets; mismatches: " << tally.mismatches << "\n";
   for (size_t i = 0; i < oracle::CounterCount; ++i) {
     std::cout << "[  oracle  ] " << oracle::counter_names[i] << " " << tally.counters[i] << "\n";
   }
 }
 
-TEST(FpgaOracle, EveryWireAndCounterOfBothEnginesIsEqual) {
+TEST(FpgaOracle, EveryWireAndCounterOfEveryEngineIsEqual) {
   const int64_t goal = fromEnvironment("IPM_FPGA_ORACLE_PIXELS", 24000000);
   const int64_t first = fromEnvironment("IPM_FPGA_ORACLE_SEED", 0);
   Comparison comparison;
@@ -190,6 +205,46 @@ TEST(FpgaOracle, EveryWireAndCounterOfBothEnginesIsEqual) {
   for (size_t i = 0; i < oracle::EventCount; ++i) {
     EXPECT_GT(tally.events[i], 0) << oracle::event_names[i];
   }
+}
+
+/// A frame of `kind` small enough to be run often.
+oracle::Inputs smallInputs(oracle::Kind kind) {
+  for (uint64_t seed = 1;; ++seed) {
+    oracle::Inputs in = oracle::randomInputs(seed, kind);
+    if (in.current.size() < 16000) return in;
+  }
+}
+
+/// Sets one parameter anywhere in its range; the images are cut or filled up where it is a size.
+void change(oracle::Inputs& in, const oracle::Entry& entry, oracle::Random& random) {
+  oracle::Params& p = in.params;
+  const bool size = entry.value == &oracle::Params::width || entry.value == &oracle::Params::height;
+  p.*entry.value = random.in(entry.lowest, size ? 130 : entry.highest);
+  if (p.focus_v == 0) p.focus_v = 1;
+  p.memory_rows = std::clamp(p.memory_rows, p.height, 524288 / p.width);
+  in.reference.resize(static_cast<size_t>(p.width * p.height), 9);
+  in.current.resize(static_cast<size_t>(p.width * p.height), 99);
+}
+
+/// What an engine keeps from the last frame (maps, buffers) must not outlive its cause: every
+/// parameter is changed alone, and changed back.
+TEST(FpgaOracle, EveryParameterTakesEffectAlone) {
+  Comparison comparison;
+  oracle::Random random(3);
+  for (const oracle::Kind kind : {oracle::TurningRadius, oracle::PaperOrder, oracle::Limits}) {
+    const oracle::Inputs plain = smallInputs(kind);
+    for (const oracle::Entry& entry : oracle::entries()) {
+      for (int undistort = 0; undistort <= 1; ++undistort) {
+        oracle::Inputs in = plain;
+        in.params.undistort_current = undistort;
+        const std::string where = std::string(oracle::kindName(kind)) + ", " + entry.name;
+        comparison.compare(in, 0, where + " before");
+        change(in, entry, random);
+        comparison.compare(in, 0, where + " changed");
+      }
+    }
+  }
+  EXPECT_EQ(comparison.tally.mismatches, 0);
 }
 
 class Folder {

@@ -110,6 +110,16 @@ TEST(MapPicture, SurvivesNothingAndWhatIsNotFinite) {
   EXPECT_EQ(find(drawMap(TrinaryMap{}, annotations), isPath).count, 0);
 }
 
+TEST(MapPicture, LeavesOutPosesThatAreNotFinite) {
+  const TrinaryMap map = freeMap(60, 40);
+  MapAnnotations good, bad;
+  good.trajectory = {{0.0, 0.0, 0.0}, {0.5, 0.2, 0.0}, {1.0, 0.0, 0.5}};
+  bad.trajectory = good.trajectory;
+  const SE2 broken{std::numeric_limits<double>::quiet_NaN(), 0.1, 0.0};
+  for (const int at : {3, 1, 0}) bad.trajectory.insert(bad.trajectory.begin() + at, broken);
+  EXPECT_EQ(cv::norm(drawMap(map, good), drawMap(map, bad), cv::NORM_INF), 0.0);
+}
+
 TEST(MapPicture, StaysPrintableForLargeAndSmallMaps) {
   for (const int side : {1, 20, 1000, 3000}) {
     const cv::Mat picture = drawMap(freeMap(side, side), {});

@@ -53,12 +53,14 @@ class OverlayTest : public ::testing::Test {
 };
 
 TEST_F(OverlayTest, TintsTheFloorFromWhereItComesIntoViewUpToTheRange) {
-  const Obstacles o = straightAhead(BearingState::Free, 1.2F);
+  Obstacles o = straightAhead(BearingState::Free, 1.2F);
+  for (Bearing& b : o.bearings) b.near = 0.6F;
   const cv::Mat overlay = drawOverlay(raw_, o);
   EXPECT_EQ(overlay.cols, width * enlarged);
   EXPECT_GT(overlay.rows, height * enlarged) << "a caption below";
   for (const double side : {-0.03, 0.03}) {
-    EXPECT_TRUE(isGreen(colorAt(overlay, o, 0.05 + 0.7, side)));
+    EXPECT_TRUE(isGray(colorAt(overlay, o, 0.05 + 0.55, side)));
+    EXPECT_TRUE(isGreen(colorAt(overlay, o, 0.05 + 0.65, side)));
     EXPECT_TRUE(isGreen(colorAt(overlay, o, 0.05 + 1.15, side)));
     EXPECT_TRUE(isGray(colorAt(overlay, o, 0.05 + 1.27, side)));
     EXPECT_TRUE(isGray(colorAt(overlay, o, 0.05 + 1.6, side)));

@@ -47,7 +47,8 @@ struct StageParameters {
 /// How the mapper publishes and keeps its map.
 struct MapperParameters {
   std::string frame = "odom";
-  double publish_rate = 2.0;
+  double publish_rate = 5.0;
+  double full_map_period = 1.0;
   std::string directory = "~/.ros/ipm_mapping";
   std::string initial_map;
   double autosave_period = 0.0;
@@ -59,7 +60,9 @@ struct MapperParameters {
     field("frame", self.frame,
           "frame of the empty map until obstacles say in which frame they are");
     field("publish_rate", self.publish_rate, Unit{"Hz"}, Range{0.0, 100.0},
-          "how often changes are published; 0: after every frame");
+          "how often changes are published as map_updates; 0: after every frame");
+    field("full_map_period", self.full_map_period, Unit{"s"}, Range{0.0, 3600.0},
+          "a changed map is published as a whole at most this often, and always when it grows");
     field("directory", self.directory, "folder below which maps are saved, and nowhere else");
     field("initial_map", self.initial_map, "map_server YAML file to start from; empty: none");
     field("autosave_period", self.autosave_period, Unit{"s"}, Range{0.0, 86400.0},

@@ -67,6 +67,7 @@ struct MotionRefinementParameters {
   int row_step = 6;
   int line_step = 8;
   int iterations = 5;
+  double first_spread = 16.0;
   double sd_forward = 0.02;
   double sd_sideways = 0.003;
   double sd_turn = 0.003;
@@ -87,6 +88,8 @@ struct MotionRefinementParameters {
     field("row_step", self.row_step, Unit{"rows"}, Range{1, 64}, "every how many rows a sample");
     field("line_step", self.line_step, Unit{"lines"}, Range{1, 64}, "every how many lines");
     field("iterations", self.iterations, Unit{""}, Range{1, 50}, "at most so many steps");
+    field("first_spread", self.first_spread, Unit{"grey levels"}, Range{1.0, 255.0},
+          "spread that the first step allows for, halved at every step: edges that do not overlap yet");
     field("sd_forward", self.sd_forward, Unit{"m/m"}, Range{1e-6, 1.0},
           "expected odometry error along x per metre");
     field("sd_sideways", self.sd_sideways, Unit{"m/m"}, Range{1e-6, 1.0}, "the same along y");

@@ -32,6 +32,8 @@ class ContactFinder {
   void find(const PolarBeam& beam, GrayView obstacle_mask, const LocalizationParameters& parameters,
             std::vector<LineContacts>& lines);
   [[nodiscard]] const std::vector<TriangleContact>& contacts() const { return contacts_; }
+  /// At least as many contacts as any mask of this size can hold.
+  [[nodiscard]] std::size_t most() const { return contacts_.capacity(); }
 
  private:
   struct Triangle;

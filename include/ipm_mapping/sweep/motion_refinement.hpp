@@ -42,6 +42,10 @@ class MotionRefinement {
   void configure(const PolarGrid& grid, const std::vector<RowRange>& rows,
                  const Eigen::Vector2d& camera_foot, const MotionRefinementParameters& parameters);
 
+  /// Floor of a line begins at this row: what lies farther stands behind a contact. 0: all of it.
+  void setFloorBegin(int line, int row) { floor_begin_[static_cast<std::size_t>(line)] = row; }
+  void forgetFloor() { floor_begin_.assign(floor_begin_.size(), 0); }
+
   [[nodiscard]] RefinedMotion refine(const RectifiedFrame& current, const RectifiedFrame& reference,
                                      const SE2& odometry);
 
@@ -75,7 +79,9 @@ class MotionRefinement {
   std::vector<RowRange> rows_;
   Eigen::Vector2d foot_ = Eigen::Vector2d::Zero();
   MotionRefinementParameters parameters_;
+  double anneal_ = 0.0;
   std::vector<FloorPoint> points_;
+  std::vector<int> floor_begin_;
   std::vector<Sample> samples_;
   std::vector<float> deviations_;
 };

@@ -43,6 +43,7 @@ class SweepDetector : public Detector {
   };
 
   FrameStatus findReferences(const Frame& frame);
+  void maskFloor();
   void splitCurrent();
   void compareWithReferences();
   void splitReference(const RectifiedFrame& reference, const Photometric& photometric,

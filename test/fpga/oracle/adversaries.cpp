@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "canvases.hpp"
+#include "rules.hpp"
 #include "vectors.hpp"
 
 namespace oracle {
@@ -66,6 +67,24 @@ void crossBentLimit(Params& p, Random& random) {
   p.paper_order = 1;
 }
 
+/// The same, one LSB a row: xn is saturated, so that cx alone places the outcome.
+void meetBentLimit(Params& p, Random& random) {
+  const int sign = random.pick({-1, 1}), shrink = random.in(4, p.width / 2 - 4);
+  setHomography(p, {shrink, 0, 64 * p.width, 0, shrink, 64 * p.height, 0, 0, 128});
+  p.fx = 64;
+  p.fy = 64 * random.in(60, 300);
+  p.cx = 64 * 40;
+  p.k1 = sign > 0 ? 8120 : 8191;
+  p.k2 = sign > 0 ? 0 : 1;
+  p.r2_max = 16777215;
+  p.paper_order = 1;
+  Wires unused;
+  const Point edge{true, sign > 0 ? 64 * (p.width - 1) : 0, p.cy};
+  const Point bent = distort(p, edge, unused.overflow[Xn], unused.overflow[Yn], unused);
+  const int target = sign > 0 ? 131074 - random.in(0, 15) : -131075 + random.in(0, 15);
+  p.cx = std::clamp(p.cx + target - static_cast<int>(bent.x), 0, 65535);
+}
+
 /// D passes 0 at a row.
 void crossDepthZero(Params& p, Random& random) {
   const int slope = random.pick({-16, 16}) * random.in(1, 200);
@@ -84,7 +103,7 @@ int radiusOfAPixel(const Params& p, Random& random) {
 
 /// Formats' ends met exactly: 12.6, horizon, D = 0, turning radius.
 Inputs limits(Random& random) {
-  Inputs in = canvas(random, random.in(20, 300), random.in(20, 100));
+  Inputs in = canvas(random, random.in(64, 300), random.in(20, 100));
   Params& p = in.params;
   const int slope = random.pick({-16, 16}) * random.in(1, 200);
   p.horizon_a = 0;
@@ -98,10 +117,11 @@ Inputs limits(Random& random) {
   p.paper_order = random.in(0, 1);
   p.use_horizon = random.in(0, 1);
   if (random.chance(50)) p.r2_max = radiusOfAPixel(p, random);
-  const int which = random.in(0, 3);
+  const int which = random.in(0, 4);
   if (which == 0) crossViewLimit(p, random);
   if (which == 1) crossBentLimit(p, random);
-  if (which == 2) crossDepthZero(p, random);
+  if (which == 2) meetBentLimit(p, random);
+  if (which == 3) crossDepthZero(p, random);
   fillNoise(in, random);
   return in;
 }

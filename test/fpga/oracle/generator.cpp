@@ -35,7 +35,7 @@ void setGeometry(Params& p, const Camera& camera, const Motion& motion, Random& 
   p.horizon_a = horizon[0];
   p.horizon_b = horizon[1];
   p.horizon_c = horizon[2];
-  const Focus focus = focusWord(views.focus, p.width, p.height);
+  const Focus focus = focusWord(midFoot(views), p.width, p.height);
   p.focus_u = focus.usable ? focus.u : 0;
   p.focus_v = focus.usable ? focus.v : 8191;
 }

@@ -64,9 +64,8 @@ TwoViews twoViews(const Camera& camera, const Motion& m) {
   views.floor_to_current = product(views.floor_to_reference, inverse(moved));
   views.current_to_reference = product(views.floor_to_reference, inverse(views.floor_to_current));
   const Vector foot{m.lead, 0, 1};
-  const Vector f1 = product(views.floor_to_current, product(moved, foot));
-  const Vector f2 = product(views.floor_to_current, foot);
-  views.focus = {f1[0] + f2[0], f1[1] + f2[1], f1[2] + f2[2]};
+  views.f1 = product(views.floor_to_current, product(moved, foot));
+  views.f2 = product(views.floor_to_current, foot);
   return views;
 }
 
@@ -220,44 +219,55 @@ std::array<int, 3> horizonCoefficients(const TwoViews& views) {
 
 namespace {
 
-/// How far along `direction` the component may go before it meets its limit.
-Real room(Real start, Real direction) {
-  if (direction == 0) return infinity;
-  return ((direction > 0 ? 8191 : -8192) - start) / direction;
-}
+/// One axis of the clamp: from `start` along `direction` to the limit on that side.
+struct Axis {
+  Real start, direction;
+  Real limit() const { return direction > 0 ? 8191 : -8192; }
+  Real room() const { return direction == 0 ? infinity : (limit() - start) / direction; }
+};
 
-/// The component that meets its limit is the limit, the other is truncated toward 0.
-Real component(Real start, Real direction, Real lambda) {
-  if (room(start, direction) == lambda) return direction > 0 ? 8191 : -8192;
-  return std::trunc(start + lambda * direction);
+/// The value of `axis` where `first` meets its limit; one rounding, in the division.
+Real valueWhere(const Axis& first, const Axis& axis) {
+  const Real whole = axis.start * first.direction + (first.limit() - first.start) * axis.direction;
+  return whole / first.direction;
 }
 
 }  // namespace
 
+Vector midFoot(const TwoViews& views) {
+  const Vector &a = views.f1, &b = views.f2;
+  return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
+}
+
+Vector meanPixel(const TwoViews& views) {
+  const Vector &a = views.f1, &b = views.f2;
+  if (a[2] <= 0 || b[2] <= 0) return midFoot(views);
+  return {(a[0] / a[2] + b[0] / b[2]) / 2, (a[1] / a[2] + b[1] / b[2]) / 2, 1};
+}
+
 Focus focusWord(const Vector& f, int width, int height) {
   const Real cu = (width - 1) / 2.0L, cv = (height - 1) / 2.0L;
-  Real tu = f[0] - f[2] * cu, tv = f[1] - f[2] * cv;
+  const Real tu = f[0] - f[2] * cu, tv = f[1] - f[2] * cv;
   Focus focus;
   if (tv <= 0) return focus;
-  Real u = 0, v = 0;
   if (f[2] != 0) {
-    u = nearest(f[0] / f[2]);
-    v = nearest(f[1] / f[2]);
+    focus.exact_u = f[0] / f[2];
+    focus.exact_v = f[1] / f[2];
+    const Real u = nearest(focus.exact_u), v = nearest(focus.exact_v);
     focus.usable = fitsSigned(u, 14) && fitsSigned(v, 14) && std::abs(v) >= 1;
+    focus.u = focus.usable ? static_cast<int>(u) : 0;
+    focus.v = focus.usable ? static_cast<int>(v) : 0;
+    if (focus.usable) return focus;
   }
-  if (!focus.usable) {
-    focus.clamped = true;
-    if (f[2] < 0) {
-      tu = -tu;
-      tv = -tv;
-    }
-    const Real lambda = std::min(room(cu, tu), room(cv, tv));
-    u = component(cu, tu, lambda);
-    v = component(cv, tv, lambda);
-    focus.usable = std::abs(v) >= 1;
-  }
-  focus.u = static_cast<int>(u);
-  focus.v = static_cast<int>(v);
+  const int sign = f[2] < 0 ? -1 : 1;
+  const Axis along_u{cu, sign * tu}, along_v{cv, sign * tv};
+  const Axis& first = along_u.room() < along_v.room() ? along_u : along_v;
+  focus.clamped = true;
+  focus.exact_u = valueWhere(first, along_u);
+  focus.exact_v = valueWhere(first, along_v);
+  focus.u = static_cast<int>(std::trunc(focus.exact_u));
+  focus.v = static_cast<int>(std::trunc(focus.exact_v));
+  focus.usable = std::abs(focus.v) >= 1;
   return focus;
 }
 

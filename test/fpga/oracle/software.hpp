@@ -34,7 +34,7 @@ struct Motion {
 /// Floor of the reference base to reference and to current pixels, and current to reference.
 struct TwoViews {
   Matrix floor_to_reference, floor_to_current, current_to_reference;
-  Vector focus;  ///< sum of both vanishing points, scales kept
+  Vector f1, f2;  ///< images of the current and the reference camera's foot, scales kept
 };
 TwoViews twoViews(const Camera& camera, const Motion& motion);
 
@@ -70,8 +70,12 @@ std::array<int, 3> horizonCoefficients(const TwoViews& views);
 struct Focus {
   bool usable = false, clamped = false;
   int u = 0, v = 0;
+  Real exact_u = 0, exact_v = 0;  ///< before rounding or truncation
 };
-/// Rule 10.
+/// Rule 10: f1 + f2; `paper`: eq. 6.9 while both w > 0.
+Vector midFoot(const TwoViews& views);
+Vector meanPixel(const TwoViews& views);
+/// Rule 10, the word.
 Focus focusWord(const Vector& f, int width, int height);
 
 }  // namespace oracle
