@@ -14,23 +14,14 @@ constexpr std::int64_t no_limit = std::numeric_limits<std::int64_t>::max();
 
 bool isOffset(std::size_t i) { return i % 3 == 2; }
 
-double unitsOf(std::size_t i) {
-  return isOffset(i) ? 1 << formats::HomographyOffset::fraction_bits
-                     : 1 << formats::HomographyLinear::fraction_bits;
-}
-
-bool fitsWord(double value) {
-  return value >= formats::HomographyLinear::lowest() &&
-         value <= formats::HomographyLinear::highest();
-}
-
 /// scale * G in the registers' units, rounded; nothing when a coefficient does not fit.
-std::optional<HomographyWords> rounded(const Eigen::Matrix3d& G, double scale) {
+std::optional<HomographyWords> rounded(const Eigen::Matrix3d& G, double scale,
+                                       CoefficientFormat format) {
   HomographyWords words{};
   for (std::size_t i = 0; i < words.size(); ++i) {
     const double value =
-        std::round(G(static_cast<int>(i / 3), static_cast<int>(i % 3)) * scale * unitsOf(i));
-    if (!fitsWord(value)) return std::nullopt;
+        std::round(G(static_cast<int>(i / 3), static_cast<int>(i % 3)) * scale * format.unit(i));
+    if (!format.fits(i, value)) return std::nullopt;
     words[i] = static_cast<std::int32_t>(value);
   }
   return words;
@@ -71,11 +62,12 @@ class Ranking {
   std::size_t size_ = 0;
 };
 
-Ranking searchScales(const Eigen::Matrix3d& G, double power_of_two, ErrorGrid& grid) {
+Ranking searchScales(const Eigen::Matrix3d& G, double power_of_two, CoefficientFormat format,
+                     ErrorGrid& grid) {
   Ranking ranking;
   for (int j = 0; j < scale_count; ++j) {
     const double scale = power_of_two / 2.0 * std::pow(4.0, j / (scale_count - 1.0));
-    const auto words = rounded(G, scale);
+    const auto words = rounded(G, scale, format);
     if (!words) continue;
     if (const auto error = grid.error(*words, ranking.limit())) {
       ranking.insert({*error, scale, *words});
@@ -85,13 +77,13 @@ Ranking searchScales(const Eigen::Matrix3d& G, double power_of_two, ErrorGrid& g
 }
 
 /// One step of the polish: the best of the 18 neighbours, if it is better. Row-major, -1 first.
-bool improve(Candidate& candidate, ErrorGrid& grid) {
+bool improve(Candidate& candidate, CoefficientFormat format, ErrorGrid& grid) {
   Candidate best = candidate;
   for (std::size_t i = 0; i < candidate.words.size(); ++i) {
     for (const int change : {-1, 1}) {
       HomographyWords words = candidate.words;
       words[i] += change;
-      if (!fitsWord(words[i])) continue;
+      if (!format.fits(i, words[i])) continue;
       if (const auto error = grid.error(words, best.error)) {
         best.error = *error;
         best.words = words;
@@ -110,7 +102,19 @@ QuantisedHomography result(const Candidate& candidate, int steps) {
 
 }  // namespace
 
-ErrorGrid::ErrorGrid(const GroundView& view, const Eigen::Matrix3d& G) {
+double CoefficientFormat::unit(std::size_t i) const {
+  return std::ldexp(1.0, isOffset(i) ? offset : linear);
+}
+
+bool CoefficientFormat::fits(std::size_t i, double rounded) const {
+  const int integer_bits = isOffset(i) ? formats::HomographyOffset::integer_bits
+                                       : formats::HomographyLinear::integer_bits;
+  const double limit = std::ldexp(unit(i), integer_bits - 1);
+  return rounded >= -limit && rounded <= limit - 1.0;
+}
+
+ErrorGrid::ErrorGrid(const GroundView& view, const Eigen::Matrix3d& G, CoefficientFormat format)
+    : format_(format) {
   const CameraModel& camera = view.camera;
   const Distortion& d = camera.distortion();
   const CameraModel lens(camera.intrinsics(), {d.k1, d.k2, 0.0, 0.0, d.k3});
@@ -159,7 +163,7 @@ void ErrorGrid::moveToFront(std::size_t worst) {
 
 std::optional<std::int64_t> ErrorGrid::error(const HomographyWords& words, std::int64_t limit) {
   std::array<double, 9> h;
-  for (std::size_t i = 0; i < h.size(); ++i) h[i] = words[i] * (isOffset(i) ? 16.0 : 1.0);
+  for (std::size_t i = 0; i < h.size(); ++i) h[i] = words[i] / format_.unit(i);
   const double bound = static_cast<double>(limit) / error_units;
   double worst = 0.0;
   for (std::size_t first = 0; first < static_cast<std::size_t>(size_); first += group) {
@@ -183,17 +187,18 @@ std::optional<std::int64_t> ErrorGrid::error(const HomographyWords& words, std::
   return static_cast<std::int64_t>(units);
 }
 
-std::optional<QuantisedHomography> quantiseHomography(const GroundView& view) {
+std::optional<QuantisedHomography> quantiseHomography(const GroundView& view,
+                                                      CoefficientFormat format) {
   const Eigen::Matrix3d G = view.G();
-  ErrorGrid grid(view, G);
-  const auto exponent = largestExponent([&G](double scale) { return rounded(G, scale); });
+  ErrorGrid grid(view, G, format);
+  const auto exponent = largestExponent([&](double scale) { return rounded(G, scale, format); });
   if (grid.size() == 0 || !exponent) return std::nullopt;
-  const Ranking ranking = searchScales(G, std::ldexp(1.0, *exponent), grid);
+  const Ranking ranking = searchScales(G, std::ldexp(1.0, *exponent), format, grid);
   std::optional<QuantisedHomography> best;
   std::int64_t best_error = no_limit;
   for (Candidate candidate : ranking) {
     int steps = 0;
-    while (improve(candidate, grid)) ++steps;
+    while (improve(candidate, format, grid)) ++steps;
     if (candidate.error >= best_error) continue;
     best_error = candidate.error;
     best = result(candidate, steps);
@@ -204,11 +209,11 @@ std::optional<QuantisedHomography> quantiseHomography(const GroundView& view) {
 std::optional<QuantisedHomography> quantiseAtPowerOfTwo(const GroundView& view) {
   const Eigen::Matrix3d G = view.G();
   ErrorGrid grid(view, G);
-  const auto exponent = largestExponent([&G](double scale) { return rounded(G, scale); });
+  const auto exponent = largestExponent([&G](double scale) { return rounded(G, scale, {}); });
   if (grid.size() == 0 || !exponent) return std::nullopt;
   Candidate candidate;
   candidate.scale = std::ldexp(1.0, *exponent);
-  candidate.words = *rounded(G, candidate.scale);
+  candidate.words = *rounded(G, candidate.scale, {});
   const auto error = grid.error(candidate.words, no_limit);
   if (!error) return std::nullopt;
   candidate.error = *error;
@@ -220,13 +225,14 @@ std::array<std::int32_t, 3> quantiseHorizon(const GroundView& view) {
   const auto scaled = [&row](double scale) {
     std::array<double, 3> words{};
     for (std::size_t i = 0; i < 3; ++i) {
-      words[i] = std::round(row(static_cast<int>(i)) * scale * unitsOf(i));
+      words[i] = std::round(row(static_cast<int>(i)) * scale * CoefficientFormat{}.unit(i));
     }
     return words;
   };
   const auto exponent = largestExponent([&scaled](double scale) {
     const auto words = scaled(scale);
-    return std::all_of(words.begin(), words.end(), fitsWord);
+    return CoefficientFormat{}.fits(0, words[0]) && CoefficientFormat{}.fits(1, words[1]) &&
+           CoefficientFormat{}.fits(2, words[2]);
   });
   const auto words = scaled(std::ldexp(1.0, exponent.value_or(0)));
   return {static_cast<std::int32_t>(words[0]), static_cast<std::int32_t>(words[1]),
