@@ -7,16 +7,17 @@
 
 #include "ipm_mapping/parameters/birds_eye_parameters.hpp"
 #include "ipm_mapping/parameters/chain_parameters.hpp"
+#include "ipm_mapping/parameters/fpga_parameters.hpp"
 #include "ipm_mapping/parameters/map_parameters.hpp"
 #include "ipm_mapping/parameters/robot_parameters.hpp"
 #include "ipm_mapping/parameters/sweep_parameters.hpp"
 
 namespace ipm_mapping {
 
-enum class DetectorKind { Sweep, Chain, FirstArchitecture };
+enum class DetectorKind { Sweep, Chain, FirstArchitecture, Fpga };
 template <>
-inline constexpr std::array<const char*, 3> enum_names<DetectorKind>{"sweep", "chain",
-                                                                     "first_architecture"};
+inline constexpr std::array<const char*, 4> enum_names<DetectorKind>{"sweep", "chain",
+                                                                     "first_architecture", "fpga"};
 
 /// What finds the obstacles.
 struct DetectorParameters {
@@ -27,7 +28,7 @@ struct DetectorParameters {
     field("kind", self.kind,
           "sweep: our own, floor against vertical line; chain: the source's difference, "
           "segmentation and localisation; first_architecture: the "
-          "same with a bird's-eye view and radial histograms");
+          "same with a bird's-eye view and radial histograms; fpga: the bit-true model");
   }
 };
 
@@ -41,6 +42,8 @@ struct Parameters {
   LocalizationParameters localization;
   BirdsEyeParameters birds_eye;
   sweep::SweepParameters sweep;
+  FpgaParameters fpga;
+  FpgaClockParameters fpga_clock;
   MapParameters map;
   OutputParameters output;
 
@@ -55,6 +58,8 @@ struct Parameters {
     group("localization", self.localization);
     group("birds_eye", self.birds_eye);
     group("sweep", self.sweep);
+    group("fpga", self.fpga);
+    group("fpga_clock", self.fpga_clock);
     group("map", self.map);
     group("output", self.output);
   }

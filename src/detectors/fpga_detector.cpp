@@ -1,10 +1,11 @@
 #include "ipm_mapping/detectors/fpga_detector.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
 
 #include "ipm_mapping/detectors/floor_bearing.hpp"
 #include "ipm_mapping/detectors/localization.hpp"
+#include "ipm_mapping/detectors/reference_status.hpp"
 #include "ipm_mapping/stages/obstacle_mask.hpp"
 #include "ipm_mapping/stopwatch.hpp"
 
@@ -13,9 +14,12 @@ namespace {
 
 FrameStatus statusOf(fpga::SetupStatus status) {
   switch (status) {
-    case fpga::SetupStatus::Ok: return FrameStatus::Used;
-    case fpga::SetupStatus::HomographyUnusable: return FrameStatus::GeometryUnusable;
-    case fpga::SetupStatus::FocusUnusable: return FrameStatus::FocusUnusable;
+    case fpga::SetupStatus::Ok:
+      return FrameStatus::Used;
+    case fpga::SetupStatus::HomographyUnusable:
+      return FrameStatus::GeometryUnusable;
+    case fpga::SetupStatus::FocusUnusable:
+      return FrameStatus::FocusUnusable;
   }
   return FrameStatus::GeometryUnusable;
 }
@@ -23,9 +27,7 @@ FrameStatus statusOf(fpga::SetupStatus status) {
 }  // namespace
 
 FpgaDetector::FpgaDetector(const Parameters& parameters)
-    : parameters_(parameters),
-      references_(parameters.reference),
-      software_(parameters.fpga) {}
+    : parameters_(parameters), references_(parameters.reference), software_(parameters.fpga) {}
 
 void FpgaDetector::setCamera(const CameraModel& camera, const CameraPose& T_base_camera) {
   camera_ = camera;
@@ -57,8 +59,8 @@ FrameStatus FpgaDetector::prepare(const Frame& frame, Obstacles& obstacles) {
   const ReferenceSelector::Choice choice = references_.choose(frame.stamp, frame.T_odom_base);
   if (choice.verdict != ReferenceVerdict::Chosen) return frameStatus(choice.verdict);
   reference_ = choice.reference;
-  obstacles.view = {frame.stamp,    reference_->stamp, camera_,      T_base_camera_,
-                    frame.T_odom_base, choice.motion};
+  obstacles.view = {frame.stamp,    reference_->stamp, camera_,
+                    T_base_camera_, frame.T_odom_base, choice.motion};
   setup_ = software_.setup(obstacles.view, threshold_.value());
   return statusOf(setup_.status);
 }
@@ -77,9 +79,10 @@ void FpgaDetector::composeMask() {
     const fpga::TaggedPixel* gaussian = gaussian_.row(v);
     std::uint8_t* out = mask_.row(v);
     for (int u = 0; u < mask_.width(); ++u)
-      out[u] = static_cast<std::uint8_t>(eroded[u]                                    ? mask::obstacle
-                                         : (gaussian[u] & fpga::no_correspondence) != 0 ? mask::unseen
-                                                                                        : mask::floor);
+      out[u] =
+          static_cast<std::uint8_t>(eroded[u]                                      ? mask::obstacle
+                                    : (gaussian[u] & fpga::no_correspondence) != 0 ? mask::unseen
+                                                                                   : mask::floor);
   }
 }
 
@@ -126,7 +129,8 @@ void FpgaDetector::describe(Obstacles& obstacles) {
     } else if (const int row = lowestRun(on_mask, p.min_occupied_pixels); row >= 0) {
       stop = LineStop{columns_[static_cast<std::size_t>(row)], row, BearingState::Blocked};
     }
-    const float density = static_cast<float>(results.bear[i]) / static_cast<float>(camera_.height());
+    const float density =
+        static_cast<float>(results.bear[i]) / static_cast<float>(camera_.height());
     obstacles.bearings.push_back(
         floorBearing(on_mask, floor, obstacles.max_range, p.min_floor_share, density, stop));
   }
@@ -150,13 +154,12 @@ FrameStatus FpgaDetector::process(const Frame& frame, Obstacles& obstacles) {
         effectiveMaxRange(parameters_.localization.max_range, camera_, T_base_camera_);
     obstacles.focus = setup_.focus;
     run(frame);
-    obstacles.threshold = static_cast<int>(
-        std::max(setup_.parameters.threshold_in, setup_.parameters.min_threshold));
+    obstacles.threshold =
+        static_cast<int>(std::max(setup_.parameters.threshold_in, setup_.parameters.min_threshold));
     watch.lap("datapath");
     describe(obstacles);
     watch.lap("points");
   }
-  // After this the ring may reuse the reference's slot only when it wraps: a frame later at most.
   if (!frame.image.empty() && status != FrameStatus::SizeMismatch)
     references_.remember(frame.stamp, frame.T_odom_base, frame.image);
   watch.lap("remember");

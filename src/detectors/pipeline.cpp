@@ -1,6 +1,7 @@
 #include "ipm_mapping/detectors/pipeline.hpp"
 
 #include "ipm_mapping/detectors/chain_detector.hpp"
+#include "ipm_mapping/detectors/fpga_detector.hpp"
 #include "ipm_mapping/sweep/sweep_detector.hpp"
 
 namespace ipm_mapping {
@@ -13,6 +14,8 @@ std::unique_ptr<Detector> makeDetector(const Parameters& parameters) {
     case DetectorKind::Chain:
     case DetectorKind::FirstArchitecture:
       return std::make_unique<ChainDetector>(parameters);
+    case DetectorKind::Fpga:
+      return std::make_unique<FpgaDetector>(parameters);
   }
   return nullptr;
 }

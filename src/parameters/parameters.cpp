@@ -23,6 +23,7 @@ Parameters paperProfile() {
   p.localization.single_bin_peaks = true;
   p.localization.selection = Selection::Peaks;
   p.localization.max_range = 2.0;
+  p.fpga = FpgaParameters::paper();
   p.map.update = MapUpdate::MarkOnce;
   return p;
 }

@@ -34,6 +34,7 @@ struct Arguments {
   std::vector<std::string> settings;
   std::vector<double> camera_pose;
   std::string truth;
+  bool fpga = false;
 };
 
 void declare(CLI::App& app, Arguments& a) {
@@ -41,6 +42,7 @@ void declare(CLI::App& app, Arguments& a) {
   app.add_option("--out", a.out, "folder for the results (made if missing)")->required();
   app.add_option("--profile", a.profile, "default, paper, or a YAML file");
   app.add_option("--set", a.settings, "one parameter: GROUP/NAME=VALUE; may be repeated");
+  app.add_flag("--fpga", a.fpga, "let the bit-true FPGA model find the obstacles");
   app.add_option("--image-topic", a.options.topics.image, "default: found by name and type");
   app.add_option("--camera-info-topic", a.options.topics.camera_info, "default: beside the images");
   app.add_option("--odom-topic", a.options.topics.odometry, "default: found by name and type");
@@ -61,6 +63,7 @@ void settle(Arguments& a) {
       throw ParameterError("--set " + setting + ": write GROUP/NAME=VALUE");
     a.options.parameters.set(setting.substr(0, equals), setting.substr(equals + 1));
   }
+  if (a.fpga) a.options.parameters.detector.kind = DetectorKind::Fpga;
   a.options.parameters.validate();
   if (!a.camera_pose.empty())
     a.options.camera_pose = {a.camera_pose[0], a.camera_pose[1], a.camera_pose[2],
