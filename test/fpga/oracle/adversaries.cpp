@@ -98,6 +98,16 @@ void meetBentLimit(Params& p, Random& random) {
   if (random.chance(50)) transpose(p);
 }
 
+/// yn meets an end of its 20 bits exactly on one row, and xn does not leave them.
+void meetNormalizedLimit(Params& p, Random& random) {
+  p.fx = random.in(20000, 65535);
+  p.fy = 64 << random.in(0, 2);
+  p.cy = 64 * random.in(10, p.height - 10);
+  p.k1 = random.in(-1, 1);
+  p.r2_max = 16777215;
+  if (random.chance(30)) transpose(p);
+}
+
 /// D passes 0 at a row.
 void crossDepthZero(Params& p, Random& random) {
   const int slope = random.pick({-16, 16}) * random.in(1, 200);
@@ -130,11 +140,12 @@ Inputs limits(Random& random) {
   p.paper_order = random.in(0, 1);
   p.use_horizon = random.in(0, 1);
   if (random.chance(50)) p.r2_max = radiusOfAPixel(p, random);
-  const int which = random.in(0, 4);
+  const int which = random.in(0, 5);
   if (which == 0) crossViewLimit(p, random);
   if (which == 1) crossBentLimit(p, random);
   if (which == 2) meetBentLimit(p, random);
   if (which == 3) crossDepthZero(p, random);
+  if (which == 4) meetNormalizedLimit(p, random);
   fillNoise(in, random);
   return in;
 }
