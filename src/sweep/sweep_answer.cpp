@@ -30,9 +30,10 @@ Contact SweepDetector::contactOf(int beam, const BeamChoice& choice) const {
                     d * Eigen::Vector2d(std::cos(azimuth), std::sin(azimuth)))
                        .cast<float>();
   double u = 0.0, v = 0.0;
-  undistortedPixel(camera_, T_base_camera_, azimuth, r, u, v);
-  contact.u = static_cast<float>(u);
-  contact.v = static_cast<float>(v);
+  if (undistortedPixel(camera_, T_base_camera_, azimuth, r, u, v)) {
+    contact.u = static_cast<float>(u);
+    contact.v = static_cast<float>(v);
+  }
   contact.score = choice.score;
   const double r_top = grid_.r(choice.top * PolarGrid::rows_per_sweep_row);
   contact.height = static_cast<float>(grid_.height * std::max(0.0, 1.0 - r_top / r));
