@@ -59,8 +59,7 @@ std::optional<CalibrationError> CameraModel::check(const Intrinsics& k, const st
     return sentence("principal point (", k.cx, ", ", k.cy, ") is not finite");
   if (!(model.empty() || model == "plumb_bob"))
     return sentence("distortion model '", model, "' is not supported, only 'plumb_bob'");
-  if (D.size() > 5)
-    return sentence("D has ", D.size(), " coefficients, plumb_bob has at most 5");
+  if (D.size() > 5) return sentence("D has ", D.size(), " coefficients, plumb_bob has at most 5");
   if (!std::all_of(D.begin(), D.end(), [](double c) { return std::isfinite(c); }))
     return std::string("D has a coefficient that is not finite");
   return std::nullopt;
@@ -72,8 +71,28 @@ Distortion CameraModel::distortionFrom(const std::vector<double>& D) {
   return {c[0], c[1], c[2], c[3], c[4]};
 }
 
+bool CameraModel::undistortPixel(double u_raw, double v_raw, double& u, double& v) const {
+  const Intrinsics& k = intrinsics_;
+  const double x_raw = (u_raw - k.cx) / k.fx, y_raw = (v_raw - k.cy) / k.fy;
+  double x = x_raw, y = y_raw;
+  for (int i = 0; i < 100; ++i) {
+    double u_now = 0.0, v_now = 0.0;
+    if (!distortNormalized(x, y, u_now, v_now)) return false;
+    const double dx = (u_raw - u_now) / k.fx, dy = (v_raw - v_now) / k.fy;
+    x += dx;
+    y += dy;
+    if (std::abs(dx) + std::abs(dy) < 1e-9) {
+      u = k.fx * x + k.cx;
+      v = k.fy * y + k.cy;
+      return true;
+    }
+  }
+  return false;
+}
+
 CameraPose cameraPose(double x, double y, double z, double pitch, double yaw, double roll) {
-  Eigen::Matrix3d optical_in_level;  // columns: right, down, forward of a level camera, in base axes
+  Eigen::Matrix3d
+      optical_in_level;  // columns: right, down, forward of a level camera, in base axes
   optical_in_level << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   CameraPose pose = CameraPose::Identity();
   pose.linear() = (Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *

@@ -64,7 +64,8 @@ class CameraModel {
   [[nodiscard]] int height() const { return intrinsics_.height; }
 
   /// Squared normalised radius at which r(1 + k1 r^2 + k2 r^4 + k3 r^6) turns over: beyond it the
-  /// polynomial folds points far outside the view back into the image. Infinity where it never does.
+  /// polynomial folds points far outside the view back into the image. Infinity where it never
+  /// does.
   [[nodiscard]] double turningRadiusSquared() const { return turning_radius_squared_; }
 
   /// Normalised undistorted (x/z, y/z) to raw pixel; false beyond the turning radius.
@@ -73,8 +74,10 @@ class CameraModel {
     if (!(r2 < turning_radius_squared_)) return false;
     const Distortion& d = distortion_;
     const double radial = 1.0 + r2 * (d.k1 + r2 * (d.k2 + r2 * d.k3));
-    u_raw = intrinsics_.fx * (x * radial + 2.0 * d.p1 * xy + d.p2 * (r2 + 2.0 * xx)) + intrinsics_.cx;
-    v_raw = intrinsics_.fy * (y * radial + d.p1 * (r2 + 2.0 * yy) + 2.0 * d.p2 * xy) + intrinsics_.cy;
+    u_raw =
+        intrinsics_.fx * (x * radial + 2.0 * d.p1 * xy + d.p2 * (r2 + 2.0 * xx)) + intrinsics_.cx;
+    v_raw =
+        intrinsics_.fy * (y * radial + d.p1 * (r2 + 2.0 * yy) + 2.0 * d.p2 * xy) + intrinsics_.cy;
     return true;
   }
   /// Undistorted pixel to raw pixel; false beyond the turning radius.
@@ -82,6 +85,10 @@ class CameraModel {
     return distortNormalized((u - intrinsics_.cx) / intrinsics_.fx,
                              (v - intrinsics_.cy) / intrinsics_.fy, u_raw, v_raw);
   }
+
+  /// Raw pixel to undistorted pixel, by fixed-point iteration to 1e-9; false where it does not
+  /// converge (outside the image of the lens).
+  bool undistortPixel(double u_raw, double v_raw, double& u, double& v) const;
 
   [[nodiscard]] bool operator==(const CameraModel& o) const {
     return intrinsics_ == o.intrinsics_ && distortion_ == o.distortion_;

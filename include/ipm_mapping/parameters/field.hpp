@@ -41,7 +41,8 @@ class ParameterError : public std::invalid_argument {
 };
 
 /// Names of an enum's values, in order from 0. Specialised beside each enum:
-///   template <> inline constexpr std::array<const char*, 2> enum_names<Method>{"score", "triangle"};
+///   template <> inline constexpr std::array<const char*, 2> enum_names<Method>{"score",
+///   "triangle"};
 template <class Enum>
 inline constexpr std::array<const char*, 0> enum_names{};
 

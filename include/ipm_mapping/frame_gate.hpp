@@ -1,0 +1,125 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <deque>
+#include <memory>
+
+#include "ipm_mapping/geometry/odometry_buffer.hpp"
+
+namespace ipm_mapping {
+
+/// Why a frame left the gate without a pose.
+enum class GateDrop : std::uint8_t {
+  Overflow,     ///< too many frames waited for odometry
+  NoOdometry,   ///< odometry did not reach the stamp within `wait`
+  TooOld,       ///< odometry no longer reaches back to the stamp
+  OdometryGap,  ///< odometry messages too far apart around the stamp
+  OutOfOrder,   ///< stamp not newer than the frame before it
+  BadStamp,     ///< not finite
+  ClockJump     ///< it waited for odometry when the clock was set back
+};
+inline constexpr int gate_drop_count = 7;
+[[nodiscard]] const char* name(GateDrop reason);
+
+/// Holds frames until odometry has passed their stamps, then releases them in order with their
+/// pose. The same class serves live topics and bags, so both see the same frames.
+///
+/// `Payload` is what the caller keeps of a frame (a message pointer).
+template <class Payload>
+class FrameGate {
+ public:
+  struct Released {
+    Payload payload;
+    double stamp = 0.0;
+    SE2 T_odom_base;
+  };
+
+  explicit FrameGate(const OdometryParameters& parameters = {}, std::size_t capacity = 32)
+      : parameters_(parameters), capacity_(capacity), odometry_(parameters) {}
+
+  /// Returns true when history in later stages has to be forgotten (clock or pose jumped).
+  bool addOdometry(double stamp, const SE2& T_odom_base, OdometryVerdict* verdict = nullptr) {
+    const OdometryVerdict v = odometry_.add(stamp, T_odom_base);
+    if (verdict) *verdict = v;
+    if (v == OdometryVerdict::TimeJump) {
+      dropWaiting(GateDrop::ClockJump);
+      last_stamp_ = -1e300;
+    }
+    return startsAnew(v);
+  }
+
+  /// Returns true when the clock jumped back and history has to be forgotten.
+  bool addFrame(double stamp, Payload payload) {
+    if (!std::isfinite(stamp)) {
+      count(GateDrop::BadStamp);
+      return false;
+    }
+    bool jumped = false;
+    if (stamp <= last_stamp_) {
+      if (last_stamp_ - stamp < clock_jump_seconds) {
+        count(GateDrop::OutOfOrder);
+        return false;
+      }
+      // Odometry of before the jump must not serve frames of after it.
+      if (odometry_.newest().value_or(stamp) - stamp > clock_jump_seconds) odometry_.clear();
+      dropWaiting(GateDrop::ClockJump);
+      jumped = true;
+    }
+    last_stamp_ = stamp;
+    if (waiting_.size() == capacity_) {
+      waiting_.pop_front();
+      count(GateDrop::Overflow);
+    }
+    waiting_.push_back({std::move(payload), stamp, {}});
+    return jumped;
+  }
+
+  /// Takes the next frame whose pose is known into `released`; false when none is ready.
+  bool next(Released& released) {
+    while (!waiting_.empty()) {
+      SE2 T_odom_base;
+      const PoseAnswer answer = odometry_.at(waiting_.front().stamp, T_odom_base);
+      if (answer == PoseAnswer::NotYet && !overdue()) return false;
+      released = std::move(waiting_.front());
+      waiting_.pop_front();
+      released.T_odom_base = T_odom_base;
+      if (answer == PoseAnswer::Known) return true;
+      count(answer == PoseAnswer::NotYet   ? GateDrop::NoOdometry
+            : answer == PoseAnswer::TooOld ? GateDrop::TooOld
+                                           : GateDrop::OdometryGap);
+    }
+    return false;
+  }
+
+  /// Frames that still wait when the input ends: they are dropped and counted.
+  void finish() { dropWaiting(GateDrop::NoOdometry); }
+
+  [[nodiscard]] std::uint64_t dropped(GateDrop reason) const {
+    return drops_[static_cast<std::size_t>(reason)];
+  }
+  [[nodiscard]] std::size_t waiting() const { return waiting_.size(); }
+  [[nodiscard]] const OdometryBuffer& odometry() const { return odometry_; }
+
+ private:
+  static constexpr double clock_jump_seconds = 1.0;
+
+  /// Odometry stands still while newer frames arrive.
+  [[nodiscard]] bool overdue() const {
+    return last_stamp_ - waiting_.front().stamp > parameters_.wait;
+  }
+  void dropWaiting(GateDrop reason) {
+    for (; !waiting_.empty(); waiting_.pop_front()) count(reason);
+  }
+  void count(GateDrop reason) { ++drops_[static_cast<std::size_t>(reason)]; }
+
+  OdometryParameters parameters_;
+  std::size_t capacity_;
+  OdometryBuffer odometry_;
+  std::deque<Released> waiting_;
+  double last_stamp_ = -1e300;
+  std::array<std::uint64_t, gate_drop_count> drops_{};
+};
+
+}  // namespace ipm_mapping

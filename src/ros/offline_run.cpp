@@ -1,0 +1,170 @@
+#include "ipm_mapping/ros/offline_run.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "ipm_mapping/detectors/pipeline.hpp"
+#include "ipm_mapping/ros/camera_info.hpp"
+
+namespace ipm_mapping {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double secondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+SE2 poseOf(const nav_msgs::Odometry& odometry) {
+  const auto& p = odometry.pose.pose.position;
+  const auto& q = odometry.pose.pose.orientation;
+  return {p.x, p.y, std::atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))};
+}
+
+sensor_msgs::CameraInfo calibrationOf(const BagSource& bag, const OfflineOptions& options,
+                                      std::string& source) {
+  sensor_msgs::CameraInfo info;
+  std::string file = options.calibration_file;
+  const auto recorded = file.empty() ? bag.cameraInfo() : std::nullopt;
+  if (file.empty() && !recorded) file = options.parameters.camera.calibration_file;
+  if (!file.empty()) {
+    if (const Refusal refusal = readCalibrationFile(file, info)) throw BagError(*refusal);
+    source = file;
+    return info;
+  }
+  if (!recorded)
+    throw BagError("the bag has no camera_info: give the calibration with --camera-info FILE.yaml");
+  source = bag.topics().camera_info;
+  return *recorded;
+}
+
+}  // namespace
+
+RunCamera resolveCamera(const BagSource& bag, const OfflineOptions& options) {
+  RunCamera camera;
+  const auto info = calibrationOf(bag, options, camera.calibration_source);
+  if (const Refusal refusal = toCamera(info, camera.model))
+    throw BagError(camera.calibration_source + ": " + *refusal);
+
+  const CameraParameters& p = options.parameters.camera;
+  const auto from_tf = options.camera_pose || !p.pose_from_tf ? std::nullopt : bag.cameraPose();
+  if (options.camera_pose) {
+    const auto& [x, y, z, pitch] = *options.camera_pose;
+    camera.T_base_camera = cameraPose(x, y, z, pitch);
+    camera.pose_source = "command line";
+  } else if (from_tf) {
+    camera.T_base_camera = *from_tf;
+    camera.pose_source = "tf";
+  } else {
+    camera.T_base_camera = cameraPose(p.x, p.y, p.z, p.pitch, p.yaw, p.roll);
+    camera.pose_source = "parameters";
+  }
+  if (const auto error = checkCameraPose(camera.T_base_camera))
+    throw BagError(camera.pose_source + ": " + *error);
+  return camera;
+}
+
+double StageStatistics::median() const {
+  if (samples.empty()) return 0.0;
+  std::vector<double> sorted = samples;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  return *middle;
+}
+
+double StageStatistics::total() const {
+  double sum = 0.0;
+  for (const double s : samples) sum += s;
+  return sum;
+}
+
+void RunReport::addStage(const char* stage, double seconds) {
+  for (auto& [known, statistics] : stages) {
+    if (known != stage) continue;
+    statistics.samples.push_back(seconds);
+    return;
+  }
+  stages.emplace_back(stage, StageStatistics{{seconds}});
+}
+
+OfflineRun::OfflineRun(const BagSource& bag, const RunCamera& camera, const Parameters& parameters)
+    : bag_(bag),
+      parameters_(parameters),
+      detector_(makeDetector(parameters)),
+      gate_(parameters.odometry),
+      map_(parameters.map) {
+  detector_->setCamera(camera.model, camera.T_base_camera);
+}
+
+OfflineRun::~OfflineRun() = default;
+
+void OfflineRun::restart() {
+  detector_->reset();
+  ++report_.resets;
+}
+
+void OfflineRun::addImage(const BagSource::Image& image) {
+  const std::uint64_t index = next_index_++;
+  ++report_.images;
+  if (!image.picture) {
+    ++report_.unusable_images;
+    if (report_.first_refusal.empty()) report_.first_refusal = image.refusal;
+    return;
+  }
+  const double stamp = image.stamp + parameters_.camera.image_time_offset;
+  if (gate_.addFrame(stamp, {index, *image.picture})) restart();
+}
+
+void OfflineRun::addOdometry(double stamp, const nav_msgs::Odometry& odometry) {
+  OdometryVerdict verdict = OdometryVerdict::Accepted;
+  if (gate_.addOdometry(stamp, poseOf(odometry), &verdict)) restart();
+  ++report_.odometry[name(verdict)];
+}
+
+void OfflineRun::process(const FrameGate<std::pair<std::uint64_t, GrayPicture>>::Released& frame,
+                         const Observers& observers) {
+  const auto& [index, picture] = frame.payload;
+  const auto start = Clock::now();
+  const FrameStatus status =
+      detector_->process({index, frame.stamp, picture.view, frame.T_odom_base}, obstacles_);
+  ++report_.frames[static_cast<std::size_t>(status)];
+  trajectory_.push_back(frame.T_odom_base);
+  if (status == FrameStatus::Used) {
+    for (const StageTime& time : detector_->stageTimes())
+      report_.addStage(time.stage, time.seconds);
+    const auto before_map = Clock::now();
+    map_.update(obstacles_);
+    report_.addStage("map", secondsSince(before_map));
+    report_.contacts += obstacles_.contacts.size();
+  }
+  report_.processing_seconds += secondsSince(start);
+  if (status == FrameStatus::Used && observers.used) observers.used(obstacles_, picture.view);
+}
+
+void OfflineRun::processReady(const Observers& observers) {
+  FrameGate<std::pair<std::uint64_t, GrayPicture>>::Released frame;
+  while (gate_.next(frame)) process(frame, observers);
+}
+
+void OfflineRun::run(const Observers& observers) {
+  const auto start = Clock::now();
+  bag_.read({[&](const BagSource::Image& image) {
+               addImage(image);
+               processReady(observers);
+             },
+             [&](double stamp, const nav_msgs::Odometry& odometry) {
+               addOdometry(stamp, odometry);
+               processReady(observers);
+             },
+             observers.progress});
+  gate_.finish();
+  // A run that found nothing still has a map: all of it unknown.
+  if (map_.geometry().empty())
+    map_.include(trajectory_.empty() ? Eigen::Vector2d::Zero() : trajectory_.front().translation());
+  for (int i = 0; i < gate_drop_count; ++i)
+    report_.gate_drops[static_cast<std::size_t>(i)] = gate_.dropped(static_cast<GateDrop>(i));
+  report_.wall_seconds = secondsSince(start);
+}
+
+}  // namespace ipm_mapping

@@ -1,0 +1,97 @@
+#include "ipm_mapping/ros/report_json.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "ipm_mapping/parameters/visitors.hpp"
+
+namespace ipm_mapping {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json framesJson(const RunReport& report) {
+  Json skipped = Json::object();
+  for (int i = 0; i < frame_status_count; ++i) {
+    const auto status = static_cast<FrameStatus>(i);
+    const std::uint64_t n = report.frames[static_cast<std::size_t>(i)];
+    if (status != FrameStatus::Used && n > 0) skipped[name(status)] = n;
+  }
+  for (int i = 0; i < gate_drop_count; ++i) {
+    const std::uint64_t n = report.gate_drops[static_cast<std::size_t>(i)];
+    if (n > 0) skipped[name(static_cast<GateDrop>(i))] = n;
+  }
+  if (report.unusable_images > 0) skipped["unusable_image"] = report.unusable_images;
+  return {{"read", report.images}, {"used", report.used()}, {"skipped", skipped}};
+}
+
+Json stagesJson(const RunReport& report) {
+  Json stages = Json::object();
+  for (const auto& [stage, statistics] : report.stages)
+    stages[stage] = {
+        {"median_ms", 1e3 * statistics.median()},
+        {"mean_ms", 1e3 * statistics.total() / static_cast<double>(statistics.samples.size())}};
+  return stages;
+}
+
+Json cameraJson(const RunCamera& camera) {
+  const Intrinsics& k = camera.model.intrinsics();
+  const Distortion& d = camera.model.distortion();
+  const Eigen::Vector3d t = camera.T_base_camera.translation();
+  return {{"calibration_from", camera.calibration_source},
+          {"pose_from", camera.pose_source},
+          {"width", k.width},
+          {"height", k.height},
+          {"K", {k.fx, k.fy, k.cx, k.cy}},
+          {"D", {d.k1, d.k2, d.p1, d.p2, d.k3}},
+          {"position_in_base_m", {t.x(), t.y(), t.z()}},
+          {"pitch_rad", pitchOf(camera.T_base_camera)}};
+}
+
+template <class T>
+Json valueJson(const T& value) {
+  if constexpr (std::is_enum_v<T>)
+    return parameter_detail::valueText(value);
+  else
+    return value;
+}
+
+Json parametersJson(const Parameters& parameters) {
+  Json all = Json::object();
+  Parameters::groups(parameters, [&all](const char* group, const auto& fields) {
+    forEachField(fields, [&](const char* name, const auto& value, Unit, Range, const char*) {
+      all[group][name] = valueJson(value);
+    });
+  });
+  return all;
+}
+
+}  // namespace
+
+std::string reportJson(const OfflineRun& run, const BagSource& bag, const RunCamera& camera,
+                       const OfflineOptions& options, const std::string& profile) {
+  const RunReport& report = run.report();
+  const MapGeometry& map = run.map().geometry();
+  const double per_frame =
+      report.used() > 0 ? report.processing_seconds / static_cast<double>(report.used()) : 0.0;
+  const Json json = {
+      {"bag", options.bag},
+      {"profile", profile},
+      {"topics",
+       {{"image", bag.topics().image},
+        {"camera_info", bag.topics().camera_info},
+        {"odometry", bag.topics().odometry}}},
+      {"frames", framesJson(report)},
+      {"odometry", report.odometry},
+      {"resets", report.resets},
+      {"points", report.contacts},
+      {"map", {{"width", map.width}, {"height", map.height}, {"resolution_m", map.resolution}}},
+      {"stages", stagesJson(report)},
+      {"processing_ms_per_used_frame", 1e3 * per_frame},
+      {"fps", per_frame > 0.0 ? 1.0 / per_frame : 0.0},
+      {"wall_seconds", report.wall_seconds},
+      {"camera", cameraJson(camera)},
+      {"parameters", parametersJson(options.parameters)}};
+  return json.dump(2) + "\n";
+}
+
+}  // namespace ipm_mapping

@@ -1,0 +1,213 @@
+// Maps a bag as fast as disk and processor allow, through the classes that the nodelets use.
+// Exit codes: 0 done, 2 wrong usage, 3 input unreadable or missing.
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "ipm_mapping/io/parameters_yaml.hpp"
+#include "ipm_mapping/io/run_files.hpp"
+#include "ipm_mapping/mapping/map_io.hpp"
+#include "ipm_mapping/ros/offline_run.hpp"
+#include "ipm_mapping/ros/report_json.hpp"
+#include "ipm_mapping/view/map_picture.hpp"
+#include "ipm_mapping/view/overlay.hpp"
+
+namespace {
+
+using namespace ipm_mapping;
+
+constexpr int exit_usage = 2;
+constexpr int exit_input = 3;
+
+struct Arguments {
+  OfflineOptions options;
+  std::string out;
+  std::string profile = "default";
+  std::vector<std::string> settings;
+  std::vector<double> camera_pose;
+  std::string truth;
+  bool fpga = false;
+};
+
+void declare(CLI::App& app, Arguments& a) {
+  app.add_option("bag", a.options.bag, "recording with images and odometry")->required();
+  app.add_option("--out", a.out, "folder for the results (made if missing)")->required();
+  app.add_option("--profile", a.profile, "default, paper, or a YAML file");
+  app.add_option("--set", a.settings, "one parameter: GROUP/NAME=VALUE; may be repeated");
+  app.add_flag("--fpga", a.fpga, "let the bit-true FPGA model find the obstacles");
+  app.add_option("--image-topic", a.options.topics.image, "default: found by name and type");
+  app.add_option("--camera-info-topic", a.options.topics.camera_info, "default: beside the images");
+  app.add_option("--odom-topic", a.options.topics.odometry, "default: found by name and type");
+  app.add_option("--camera-info", a.options.calibration_file,
+                 "calibration as YAML, instead of the bag's");
+  app.add_option("--camera-pose", a.camera_pose,
+                 "x,y,z,pitch of the camera on the robot (m, rad), instead of tf's")
+      ->delimiter(',')
+      ->expected(4);
+  app.add_option("--truth", a.truth, "truth.json of a rendered scene, drawn into map.png");
+}
+
+void settle(Arguments& a) {
+  a.options.parameters = profileOrFile(a.profile);
+  for (const std::string& setting : a.settings) {
+    const auto equals = setting.find('=');
+    if (equals == std::string::npos)
+      throw ParameterError("--set " + setting + ": write GROUP/NAME=VALUE");
+    a.options.parameters.set(setting.substr(0, equals), setting.substr(equals + 1));
+  }
+  if (a.fpga) a.options.parameters.detector.kind = DetectorKind::Fpga;
+  a.options.parameters.validate();
+  if (!a.camera_pose.empty())
+    a.options.camera_pose = {a.camera_pose[0], a.camera_pose[1], a.camera_pose[2],
+                             a.camera_pose[3]};
+}
+
+/// One line that is redrawn, on terminals only.
+void showProgress(double share) {
+  static const bool terminal = isatty(STDERR_FILENO) == 1;
+  static int shown = -1;
+  const int percent = static_cast<int>(100.0 * share);
+  if (!terminal || percent == shown) return;
+  shown = percent;
+  constexpr int width = 40;
+  const int filled = percent * width / 100;
+  std::fprintf(stderr, "\r[%s%s] %3d %%%s",
+               std::string(static_cast<std::size_t>(filled), '#').c_str(),
+               std::string(static_cast<std::size_t>(width - filled), '.').c_str(), percent,
+               percent == 100 ? "\n" : "");
+}
+
+void writeText(const std::string& path, const std::string& text) {
+  std::ofstream file(path);
+  file << text;
+  file.close();
+  if (!file) throw std::runtime_error("cannot write '" + path + "'");
+}
+
+void summarize(const OfflineRun& run, const std::string& out) {
+  const RunReport& r = run.report();
+  const auto ms = r.used() > 0 ? 1e3 * r.processing_seconds / static_cast<double>(r.used()) : 0.0;
+  std::printf("%llu frames read, %llu used, %llu contacts, %.2f ms a used frame\n",
+              static_cast<unsigned long long>(r.images), static_cast<unsigned long long>(r.used()),
+              static_cast<unsigned long long>(r.contacts), ms);
+  std::printf(
+      "results in %s: map.png, overlay.png, map.pgm, map.yaml, points.csv, obstacles.csv, "
+      "report.json\n",
+      out.c_str());
+}
+
+void writePicture(const std::string& path, const cv::Mat& picture) {
+  if (!cv::imwrite(path, picture)) throw std::runtime_error("cannot write '" + path + "'");
+}
+
+/// An input that gave nothing to work on is an error; a robot that never moved is not.
+void requireImages(const RunReport& report) {
+  if (report.images == 0) throw BagError("the image topic has no messages");
+  if (report.unusable_images == report.images) throw BagError(report.first_refusal);
+  const auto status = [&](FrameStatus s) { return report.frames[static_cast<std::size_t>(s)]; };
+  if (status(FrameStatus::SizeMismatch) > 0 && report.used() == 0)
+    throw BagError(
+        "images are not of the calibrated size; give the right calibration with "
+        "--camera-info FILE.yaml");
+  if (report.odometry.empty()) throw BagError("the odometry topic has no messages");
+}
+
+/// The most telling frame of the run: the one with the most contacts.
+class OverlayFrame {
+ public:
+  void offer(const Obstacles& obstacles, GrayView raw) {
+    if (!picture_.empty() && obstacles.contacts.size() <= obstacles_.contacts.size()) return;
+    obstacles_ = obstacles;
+    picture_.ensure(raw.width, raw.height);
+    for (int v = 0; v < raw.height; ++v) std::copy_n(raw.row(v), raw.width, picture_.row(v));
+  }
+  void write(const std::string& path) const {
+    if (!picture_.empty()) writePicture(path, drawOverlay(picture_.view(), obstacles_));
+  }
+
+ private:
+  Obstacles obstacles_;
+  Image<std::uint8_t> picture_;
+};
+
+/// Outlines of a truth.json.
+std::vector<Outline> readTruth(const std::string& path) {
+  std::vector<Outline> outlines;
+  if (path.empty()) return outlines;
+  std::ifstream file(path);
+  if (!file) throw BagError("cannot read '" + path + "'");
+  try {
+    const auto truth = nlohmann::json::parse(file);
+    for (const auto& footprint : truth.at("footprints")) {
+      Outline outline;
+      outline.closed = footprint.contains("polygon");
+      for (const auto& point : footprint.at(outline.closed ? "polygon" : "polyline"))
+        outline.points.emplace_back(point.at(0).get<double>(), point.at(1).get<double>());
+      outlines.push_back(std::move(outline));
+    }
+  } catch (const nlohmann::json::exception& error) {
+    throw BagError("'" + path + "' is not a truth file: " + error.what());
+  }
+  return outlines;
+}
+
+void writeMap(const OfflineRun& run, const Arguments& a) {
+  TrinaryMap map;
+  run.map().copyTo(map);
+  if (const auto error = saveMap(map, a.out + "/map")) throw std::runtime_error(*error);
+  const std::string title = std::filesystem::path(a.options.bag).stem().string();
+  writePicture(a.out + "/map.png", drawMap(map, {title, run.trajectory(), readTruth(a.truth)}));
+}
+
+void runOn(Arguments& a) {
+  const BagSource bag(a.options.bag, a.options.topics);
+  const RunCamera camera = resolveCamera(bag, a.options);
+  std::filesystem::create_directories(a.out);
+  RunFiles files(a.out);
+  OfflineRun run(bag, camera, a.options.parameters);
+  OverlayFrame overlay;
+  run.run({[&](const Obstacles& obstacles, GrayView raw) {
+             files.add(obstacles);
+             overlay.offer(obstacles, raw);
+           },
+           showProgress});
+  requireImages(run.report());
+  files.finish();
+  writeMap(run, a);
+  overlay.write(a.out + "/overlay.png");
+  writeText(a.out + "/report.json", reportJson(run, bag, camera, a.options, a.profile));
+  summarize(run, a.out);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Maps the obstacles of a bag: one camera, odometry, a flat floor"};
+  Arguments arguments;
+  declare(app, arguments);
+  try {
+    app.parse(argc, argv);
+    settle(arguments);
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);
+    return code == 0 ? 0 : exit_usage;
+  } catch (const ParameterError& error) {
+    std::cerr << "offline_mapper: " << error.what() << "\n";
+    return exit_usage;
+  }
+  try {
+    runOn(arguments);
+  } catch (const std::exception& error) {
+    std::cerr << "offline_mapper: " << error.what() << "\n";
+    return exit_input;
+  }
+  return 0;
+}
