@@ -194,8 +194,10 @@ struct SelectionParameters {
   bool straddle = true;
   double straddle_gap = 0.133;
   double straddle_ratio = 1.5;
-  double free_cost = 0.8;
-  int free_window = 9;
+  double free_cost = 1.3;
+  int free_halo = 4;
+  double blocked_cost = 2.0;
+  int free_window = 15;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& field) {
@@ -225,6 +227,13 @@ struct SelectionParameters {
           "how much stronger 'clearly stronger' is");
     field("free_cost", self.free_cost, Unit{"sigma^2"}, Range{0.0, 9.0},
           "floor is called free while its mean cost stays below this");
+    field("free_halo", self.free_halo, Unit{"beams"}, Range{0, 100},
+          "floor is called free no farther than the contacts this many beams beside it: an "
+          "obstacle's "
+          "plain parts look like floor");
+    field("blocked_cost", self.blocked_cost, Unit{"sigma^2"}, Range{0.0, 9.0},
+          "a beam without contact whose nearest floor costs more than this is blocked: something "
+          "stands nearer than the view");
     field("free_window", self.free_window, Unit{"rows"}, Range{1, 100},
           "over how many rows that mean is taken");
   }
