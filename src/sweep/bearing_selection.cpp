@@ -139,20 +139,35 @@ BeamChoice BearingSelection::ownMaximum(const SweepScores& scores, int beam, int
   return choice;
 }
 
-/// A beam beside a nearer, stronger contact sees both the obstacle's side and what is behind it.
+float BearingSelection::distanceOf(const BeamChoice& choice) const {
+  const int c = static_cast<int>(std::lround(choice.candidate));
+  return distance_[static_cast<std::size_t>(std::clamp(c, 0, candidates_ - 1))];
+}
+
+/// A beam beside a nearer, stronger contact sees both the obstacle's side and what is behind it:
+/// its contact is dropped, unless the beams on the other side see the same thing (a wall that
+/// recedes, or the background itself).
 bool BearingSelection::straddles(const std::vector<BeamChoice>& choices, int beam) const {
+  const auto gap = static_cast<float>(parameters_.straddle_gap);
+  const auto ratio = static_cast<float>(parameters_.straddle_ratio);
   const BeamChoice& here = choices[static_cast<std::size_t>(beam)];
-  const auto distanceOf = [&](const BeamChoice& choice) {
-    const int c = static_cast<int>(std::lround(choice.candidate));
-    return distance_[static_cast<std::size_t>(std::clamp(c, 0, candidates_ - 1))];
-  };
-  const int last = std::min(beams_ - 1, beam + straddle_reach);
-  for (int other = std::max(0, beam - straddle_reach); here.any() && other <= last; ++other) {
-    const BeamChoice& there = choices[static_cast<std::size_t>(other)];
-    if (!there.any() || other == beam) continue;
-    if (distanceOf(here) - distanceOf(there) > static_cast<float>(parameters_.straddle_gap) &&
-        there.score > static_cast<float>(parameters_.straddle_ratio) * here.score)
-      return true;
+  if (!here.any()) return false;
+  for (const int side : {-1, 1}) {
+    bool hidden = false, confirmed = false;
+    for (int step = 1; step <= straddle_reach; ++step) {
+      const int nearer = beam + side * step, other = beam - side * step;
+      if (nearer >= 0 && nearer < beams_) {
+        const BeamChoice& there = choices[static_cast<std::size_t>(nearer)];
+        hidden |= there.any() && distanceOf(here) - distanceOf(there) > gap &&
+                  there.score > ratio * here.score;
+      }
+      if (other >= 0 && other < beams_) {
+        const BeamChoice& there = choices[static_cast<std::size_t>(other)];
+        confirmed |= there.any() && std::abs(distanceOf(here) - distanceOf(there)) <
+                                        gap * static_cast<float>(step);
+      }
+    }
+    if (hidden && !confirmed) return true;
   }
   return false;
 }

@@ -30,9 +30,10 @@ Contact SweepDetector::contactOf(int beam, const BeamChoice& choice) const {
                     d * Eigen::Vector2d(std::cos(azimuth), std::sin(azimuth)))
                        .cast<float>();
   double u = 0.0, v = 0.0;
-  undistortedPixel(camera_, T_base_camera_, azimuth, r, u, v);
-  contact.u = static_cast<float>(u);
-  contact.v = static_cast<float>(v);
+  if (undistortedPixel(camera_, T_base_camera_, azimuth, r, u, v)) {
+    contact.u = static_cast<float>(u);
+    contact.v = static_cast<float>(v);
+  }
   contact.score = choice.score;
   const double r_top = grid_.r(choice.top * PolarGrid::rows_per_sweep_row);
   contact.height = static_cast<float>(grid_.height * std::max(0.0, 1.0 - r_top / r));
@@ -47,26 +48,40 @@ Contact SweepDetector::contactOf(int beam, const BeamChoice& choice) const {
   return contact;
 }
 
-/// Floor from the near end of the view outwards, while every reference that sees it calls it floor.
-/// Returns how far; 0 where not even the nearest floor in view is floor.
-double SweepDetector::freeRange(int beam) const {
+/// Follows the floor of one beam from the near end of the view outwards, while a window of rows
+/// stays cheap in the eyes of one reference.
+SweepDetector::FloorReach SweepDetector::floorReach(int beam, const SweepReference& view) const {
   const RowRange rows = sweep_.rows(beam);
   const int window = parameters_.selection.free_window;
-  const double limit = parameters_.selection.free_cost * kernels::cost_unit * window;
-  double farthest = 0.0;
-  for (int q = 0; q < reference_count_; ++q) {
-    const std::uint16_t* cost = views_[static_cast<std::size_t>(q)].floor_cost.row(beam);
-    int sum = 0, number = 0, row = rows.end - 1;
-    for (; row >= rows.begin && cost[row] != kernels::no_cost; --row) {
-      sum += cost[row];
-      if (++number > window) sum -= cost[row + window];
-      if (number >= window && sum > limit) break;
-    }
-    if (number < window) return 0.0;
-    const double reach = grid_.distance((row + window) * PolarGrid::rows_per_sweep_row);
-    farthest = q == 0 ? reach : std::min(farthest, reach);
+  const double unit = static_cast<double>(kernels::cost_unit) * window;
+  const std::uint16_t* cost = view.floor_cost.row(beam);
+  FloorReach reach;
+  int sum = 0, number = 0, row = rows.end - 1;
+  for (; row >= rows.begin && cost[row] != kernels::no_cost; --row) {
+    sum += cost[row];
+    if (++number > window) sum -= cost[row + window];
+    if (number == window) reach.nearest_cost = sum / unit;
+    if (number >= window && sum > parameters_.selection.free_cost * unit) break;
   }
-  return farthest;
+  if (number > window) reach.range = grid_.distance((row + window) * PolarGrid::rows_per_sweep_row);
+  return reach;
+}
+
+/// What the floor alone says about a beam: free as far as every reference calls it floor, blocked
+/// where none of them finds floor at the near end of the view.
+Bearing SweepDetector::floorBearing(int beam) const {
+  Bearing bearing;
+  bearing.angle = static_cast<float>(sweep_.azimuth(beam));
+  double range = rangeLimit(sweep_.azimuth(beam)), least_cost = 9.0;
+  for (int q = 0; q < reference_count_; ++q) {
+    const FloorReach reach = floorReach(beam, views_[static_cast<std::size_t>(q)]);
+    range = std::min(range, reach.range);
+    least_cost = std::min(least_cost, reach.nearest_cost);
+  }
+  bearing.range = static_cast<float>(range);
+  if (range > 0.0) bearing.state = BearingState::Free;
+  if (least_cost > parameters_.selection.blocked_cost) bearing.state = BearingState::Blocked;
+  return bearing;
 }
 
 void SweepDetector::fillCandidates(Obstacles& obstacles) const {
@@ -91,13 +106,9 @@ void SweepDetector::fillObstacles(Obstacles& obstacles) {
   fillCandidates(obstacles);
   for (int beam = 0; beam < sweep_.beams(); ++beam) {
     const BeamChoice& choice = choices_[static_cast<std::size_t>(beam)];
-    Bearing bearing;
-    bearing.angle = static_cast<float>(sweep_.azimuth(beam));
+    Bearing bearing = floorBearing(beam);
     bearing.density = choice.score;
-    const double free = freeRange(beam);
     const double limit = rangeLimit(sweep_.azimuth(beam));
-    bearing.range = static_cast<float>(std::min(free, limit));
-    bearing.state = free > 0.0 ? BearingState::Free : BearingState::Unknown;
     if (choice.any()) {
       const double d = sweep_.distance(choice.candidate);
       const int row = static_cast<int>(sweep_.sweepRow(choice.candidate));
@@ -113,6 +124,21 @@ void SweepDetector::fillObstacles(Obstacles& obstacles) {
       }
     }
     obstacles.bearings.push_back(bearing);
+  }
+  limitFree(obstacles);
+}
+
+/// Beside a contact nothing farther is called free.
+void SweepDetector::limitFree(Obstacles& obstacles) const {
+  const int count = static_cast<int>(obstacles.bearings.size());
+  for (const Contact& contact : obstacles.contacts) {
+    const float range = obstacles.bearings[static_cast<std::size_t>(contact.bearing)].range;
+    const int first = std::max(0, contact.bearing - parameters_.selection.free_halo);
+    const int last = std::min(count - 1, contact.bearing + parameters_.selection.free_halo);
+    for (int beam = first; beam <= last; ++beam) {
+      Bearing& bearing = obstacles.bearings[static_cast<std::size_t>(beam)];
+      if (bearing.state == BearingState::Free) bearing.range = std::min(bearing.range, range);
+    }
   }
 }
 

@@ -12,6 +12,7 @@ constexpr int place_step = 8;        // candidates between exact places
 constexpr double below_view = 1.25;  // candidates reach this far below the image, in r
 constexpr double half_beam = 0.5 * (kernels::beam_lines - 1);
 constexpr double fraction_unit = 32767.0;  // 1/2^15 as a signed number
+constexpr int block_rows = 32;
 constexpr double weight_unit = 256.0;
 
 }  // namespace
@@ -47,15 +48,17 @@ void VerticalSweep::configure(const PolarGrid& grid, const std::vector<RowRange>
         std::lround(weight_unit * p.evidence_rows * grid.r(j * PolarGrid::rows_per_sweep_row) /
                     sweep_rows_per_log)));
   bound_.resize(static_cast<std::size_t>(last_row + 1));
-  evidence_.resize(static_cast<std::size_t>(grid.sweepRows() + kernels::overrun));
+  potential_.resize(bound_.size());
+  evidence_.resize(static_cast<std::size_t>(block_rows + kernels::overrun));
   cost_.resize(evidence_.size());
   for (auto& places : places_) places.resize(static_cast<std::size_t>(candidates_));
 }
 
-/// Most that any support ending at a row can gain: vertical costs are never negative.
+/// Most that any support ending at a row can gain (vertical costs are never negative), and what all
+/// rows above a row offer.
 void VerticalSweep::bound(const SweepReference* references, int count, int beam) {
   const RowRange seen = rows(beam);
-  std::int32_t best = 0;
+  std::int32_t best = 0, offered = 0;
   for (int j = 0; j < static_cast<int>(bound_.size()); ++j) {
     std::int32_t gain = 0;
     for (int q = 0; q < count && seen.contains(j); ++q) {
@@ -63,6 +66,8 @@ void VerticalSweep::bound(const SweepReference* references, int count, int beam)
       if (f == kernels::no_cost) continue;
       gain += ((std::min(f, floor_cap_) - prior_) * row_weight_[static_cast<std::size_t>(j)]) >> 8;
     }
+    potential_[static_cast<std::size_t>(j)] = offered;
+    offered += std::max(gain, 0);
     best = std::max(best + gain, 0);
     bound_[static_cast<std::size_t>(j)] = best;
   }
@@ -90,43 +95,74 @@ void VerticalSweep::place(const FootMotion& motion, int beam, std::vector<Place>
   }
 }
 
-/// Adds what one reference says about a candidate; returns the rows that it could judge.
-RowRange VerticalSweep::addReference(const CurrentView& current, const SweepReference& reference,
-                                     int beam, const Place& place, RowRange rows) {
+/// Where a candidate's vertical line is found in one reference, and on which rows.
+VerticalSweep::Aim VerticalSweep::aim(const SweepReference& reference, const Place& place,
+                                      RowRange support) const {
+  Aim aim;
   const double line_floor = std::floor(place.line), shift_floor = std::floor(place.shift);
-  if (!(line_floor >= 0.0 && line_floor < static_cast<double>(reference_rows_.size()))) return {};
+  if (!(line_floor >= 0.0 && line_floor < static_cast<double>(reference_rows_.size()))) return aim;
   const int line = static_cast<int>(line_floor), shift = static_cast<int>(shift_floor);
   const RowRange seen = reference_rows_[static_cast<std::size_t>(line)];
   // fine row 2 j + shift and the one after it have to be in view
-  rows = intersection(rows, {(seen.begin - shift + 1) >> 1, (seen.end - shift) >> 1});
-  if (rows.size() == 0) return {};
+  aim.rows = intersection(support, {(seen.begin - shift + 1) >> 1, (seen.end - shift) >> 1});
+  const int half = shift >> 1;
+  const bool odd = (shift & 1) != 0;
+  aim.upper = (odd ? reference.odd : reference.even).row(line);
+  aim.lower = (odd ? reference.even : reference.odd).row(line);
+  aim.upper_offset = half;
+  aim.lower_offset = odd ? half + 1 : half;
+  aim.row_fraction = static_cast<std::int16_t>((place.shift - shift_floor) * fraction_unit);
+  aim.line_fraction = static_cast<std::int16_t>((place.line - line_floor) * fraction_unit);
+  return aim;
+}
+
+/// Adds to the evidence of a block of rows what one reference says about a candidate.
+void VerticalSweep::addEvidence(const CurrentView& current, const SweepReference& reference,
+                                const Aim& aim, int beam, RowRange block) {
+  const RowRange rows = intersection(aim.rows, block);
+  if (rows.size() == 0) return;
   kernels::VerticalPath path;
   path.stride = grid_.sweepRows();
   path.current = current.grey.row(firstLine(beam)) + rows.begin;
   path.weight = current.weight.row(firstLine(beam)) + rows.begin;
-  const int half = shift >> 1;
-  const bool odd = (shift & 1) != 0;
-  path.upper = (odd ? reference.odd : reference.even).row(line) + rows.begin + half;
-  path.lower = (odd ? reference.even : reference.odd).row(line) + rows.begin + half + (odd ? 1 : 0);
-  path.row_fraction = static_cast<std::int16_t>((place.shift - shift_floor) * fraction_unit);
-  path.line_fraction = static_cast<std::int16_t>((place.line - line_floor) * fraction_unit);
+  path.upper = aim.upper + rows.begin + aim.upper_offset;
+  path.lower = aim.lower + rows.begin + aim.lower_offset;
+  path.row_fraction = aim.row_fraction;
+  path.line_fraction = aim.line_fraction;
   kernels::verticalCost(path, rows.size(), cost_.data());
   kernels::accumulateEvidence(reference.floor_cost.row(beam) + rows.begin, cost_.data(),
                               row_weight_.data() + rows.begin, floor_cap_, prior_, rows.size(),
-                              evidence_.data() + rows.begin);
-  return rows;
+                              evidence_.data() + (rows.begin - block.begin));
 }
 
-/// Largest sum upward from the contact, and where it ends.
-float VerticalSweep::bestSupport(RowRange rows, int count, std::int16_t& top) const {
+/// Score of one candidate, block by block upward from the contact. It stops where even the whole
+/// gain that the floor's cost still offers above cannot raise the score: nothing is lost by that.
+float VerticalSweep::scoreOf(const CurrentView& current, const SweepReference* references,
+                             int count, int beam, int candidate, std::int32_t least,
+                             std::int16_t& top) {
+  const int contact = first_row_ + candidate;
+  const RowRange support = intersection(rows(beam), {contact - support_rows_, contact + 1});
+  if (support.size() < 2) return 0.0F;
+  std::array<Aim, max_references> aims;
+  for (int q = 0; q < count; ++q)
+    aims[static_cast<std::size_t>(q)] =
+        aim(references[q],
+            places_[static_cast<std::size_t>(q)][static_cast<std::size_t>(candidate)], support);
   std::int32_t sum = 0, best = 0;
-  int best_row = rows.end - 1;
-  for (int j = rows.end - 1; j >= rows.begin; --j) {
-    sum += evidence_[static_cast<std::size_t>(j)];
-    if (sum > best) {
-      best = sum;
-      best_row = j;
+  int best_row = support.end - 1;
+  for (int end = support.end; end > support.begin; end -= block_rows) {
+    const RowRange block{std::max(support.begin, end - block_rows), end};
+    std::fill_n(evidence_.begin(), block_rows, 0);
+    for (int q = 0; q < count; ++q)
+      addEvidence(current, references[q], aims[static_cast<std::size_t>(q)], beam, block);
+    for (int j = block.end - 1; j >= block.begin; --j) {
+      sum += evidence_[static_cast<std::size_t>(j - block.begin)];
+      if (sum > best) best = sum, best_row = j;
     }
+    const std::int32_t reachable = sum + potential_[static_cast<std::size_t>(block.begin)] -
+                                   potential_[static_cast<std::size_t>(support.begin)];
+    if (std::max(best, reachable) < least) return 0.0F;
+    if (reachable <= best) break;
   }
   top = static_cast<std::int16_t>(best_row);
   return static_cast<float>(best) / static_cast<float>(kernels::cost_unit * count);
@@ -147,17 +183,9 @@ void VerticalSweep::evaluate(const CurrentView& current, const SweepReference* r
     if (*std::max_element(bound_.begin(), bound_.end()) < least) continue;
     for (int q = 0; q < count; ++q)
       place(references[q].motion, beam, places_[static_cast<std::size_t>(q)]);
-    for (int c = 0; c < candidates_; ++c) {
-      const int contact = first_row_ + c;
-      if (bound_[static_cast<std::size_t>(contact)] < least) continue;
-      const RowRange support = intersection(rows(beam), {contact - support_rows_, contact + 1});
-      if (support.size() < 2) continue;
-      std::fill(evidence_.begin() + support.begin, evidence_.begin() + support.end, 0);
-      for (int q = 0; q < count; ++q)
-        addReference(current, references[q], beam,
-                     places_[static_cast<std::size_t>(q)][static_cast<std::size_t>(c)], support);
-      score[c] = bestSupport(support, count, top[c]);
-    }
+    for (int c = 0; c < candidates_; ++c)
+      if (bound_[static_cast<std::size_t>(first_row_ + c)] >= least)
+        score[c] = scoreOf(current, references, count, beam, c, least, top[c]);
   }
 }
 

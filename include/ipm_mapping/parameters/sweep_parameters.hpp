@@ -150,6 +150,7 @@ struct EvidenceParameters {
   double floor_cap = 2.5;
   double vertical_prior = 0.05;
   double specular_prior = 0.2;
+  double specular_parallax = 0.12;
   double drift_width = 0.085;
   double drift_length = 0.10;
   double evidence_rows = 360.0;
@@ -165,6 +166,9 @@ struct EvidenceParameters {
         "specular_prior", self.specular_prior, Unit{"sigma^2"}, Range{0.0, 9.0},
         "a highlight that stays where it is in the view costs this much more a row than floor; 9: "
         "not considered");
+    field("specular_parallax", self.specular_parallax, Unit{"log"}, Range{0.0, 2.0},
+          "considered only where the floor moves at least this much between the views: far things "
+          "hardly move either");
     field(
         "drift_width", self.drift_width, Unit{"rad"}, Range{0.01, 1.0},
         "width of the neighbourhood whose mean difference a drifting highlight or shadow explains");
@@ -179,7 +183,7 @@ struct EvidenceParameters {
 /// From scores to one contact a beam.
 struct SelectionParameters {
   double nearer_score = 15.0;
-  double publish_score = 8.0;
+  double publish_score = 5.0;
   double publish_slope = 20.0;
   double step_cost = 0.5;
   double jump_cost = 20.0;
@@ -190,8 +194,10 @@ struct SelectionParameters {
   bool straddle = true;
   double straddle_gap = 0.133;
   double straddle_ratio = 1.5;
-  double free_cost = 0.8;
-  int free_window = 9;
+  double free_cost = 1.3;
+  int free_halo = 4;
+  double blocked_cost = 2.0;
+  int free_window = 15;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& field) {
@@ -221,6 +227,13 @@ struct SelectionParameters {
           "how much stronger 'clearly stronger' is");
     field("free_cost", self.free_cost, Unit{"sigma^2"}, Range{0.0, 9.0},
           "floor is called free while its mean cost stays below this");
+    field("free_halo", self.free_halo, Unit{"beams"}, Range{0, 100},
+          "floor is called free no farther than the contacts this many beams beside it: an "
+          "obstacle's "
+          "plain parts look like floor");
+    field("blocked_cost", self.blocked_cost, Unit{"sigma^2"}, Range{0.0, 9.0},
+          "a beam without contact whose nearest floor costs more than this is blocked: something "
+          "stands nearer than the view");
     field("free_window", self.free_window, Unit{"rows"}, Range{1, 100},
           "over how many rows that mean is taken");
   }

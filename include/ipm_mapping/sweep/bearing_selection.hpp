@@ -37,6 +37,7 @@ class BearingSelection {
   void advance(int beam);
   void backward(std::vector<int>& path) const;
   BeamChoice ownMaximum(const SweepScores& scores, int beam, int near) const;
+  float distanceOf(const BeamChoice& choice) const;
   bool straddles(const std::vector<BeamChoice>& choices, int beam) const;
 
   SelectionParameters parameters_;

@@ -23,6 +23,7 @@ class SpecularCost {
  private:
   PolarGrid grid_;
   std::vector<RowRange> reference_rows_;
+  double parallax_ = 0.0;
   std::int32_t prior_ = 0;
   std::vector<std::uint16_t> cost_;
 };

@@ -51,9 +51,16 @@ class SweepDetector : public Detector {
                       Planes& planes);
   void fillView(const Frame& frame, Obstacles& obstacles) const;
   void fillObstacles(Obstacles& obstacles);
+  void limitFree(Obstacles& obstacles) const;
   void fillCandidates(Obstacles& obstacles) const;
   Contact contactOf(int beam, const BeamChoice& choice) const;
-  double freeRange(int beam) const;
+  /// How far the floor of a beam reaches for one reference, and what its near end costs.
+  struct FloorReach {
+    double range = 0.0;  ///< metres from the camera's foot; 0: not even the near end is floor
+    double nearest_cost = 0.0;  ///< sigma^2; 0 where the near end was not seen
+  };
+  FloorReach floorReach(int beam, const SweepReference& view) const;
+  Bearing floorBearing(int beam) const;
   double rangeLimit(double azimuth) const;
   void lap(const char* stage);
 

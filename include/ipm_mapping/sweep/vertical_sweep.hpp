@@ -59,11 +59,21 @@ class VerticalSweep {
   struct Place {
     double line, shift;  // first line; fine rows
   };
+  /// The same as rows of a reference's planes: row j lies at upper[j + upper_offset].
+  struct Aim {
+    const std::int16_t* upper = nullptr;
+    const std::int16_t* lower = nullptr;
+    int upper_offset = 0, lower_offset = 0;
+    std::int16_t row_fraction = 0, line_fraction = 0;
+    RowRange rows;
+  };
   void bound(const SweepReference* references, int count, int beam);
   void place(const FootMotion& motion, int beam, std::vector<Place>& places) const;
-  RowRange addReference(const CurrentView& current, const SweepReference& reference, int beam,
-                        const Place& place, RowRange rows);
-  float bestSupport(RowRange rows, int count, std::int16_t& top) const;
+  Aim aim(const SweepReference& reference, const Place& place, RowRange support) const;
+  void addEvidence(const CurrentView& current, const SweepReference& reference, const Aim& aim,
+                   int beam, RowRange block);
+  float scoreOf(const CurrentView& current, const SweepReference* references, int count, int beam,
+                int candidate, std::int32_t least, std::int16_t& top);
 
   PolarGrid grid_;
   int beam_step_ = 1, beams_ = 0, candidates_ = 0, first_row_ = 0, support_rows_ = 0;
@@ -72,6 +82,7 @@ class VerticalSweep {
   std::vector<RowRange> reference_rows_;  // reference: fine rows, nine lines from each line on
   std::vector<std::int32_t> row_weight_;  // w(row) in 1/256
   std::vector<std::int32_t> bound_;       // most that a support ending at a row can gain
+  std::vector<std::int32_t> potential_;   // sum of what the rows before a row could gain
   std::vector<std::int32_t> evidence_;
   std::vector<std::uint16_t> cost_;
   std::array<std::vector<Place>, max_references> places_;
