@@ -47,6 +47,9 @@ FrameSource::FrameSource(ros::NodeHandle& node, ros::NodeHandle& private_node,
       gate_(parameters.odometry, static_cast<std::size_t>(source_parameters_.waiting_frames)) {
   tf_.setUsingDedicatedThread(true);
   monitor_.expect(images_.topic());
+  // Frames that wait for tf or camera_info move on when it comes, not with the next image.
+  pumper_ = node.createWallTimer(
+      ros::WallDuration(0.2), [this](const ros::WallTimerEvent&) { pump(); }, false, false);
 }
 
 void FrameSource::setParameters(const CameraParameters& parameters) {
@@ -62,9 +65,11 @@ void FrameSource::start() {
   handlers_.reset();
   odometry_.start();
   images_.start();
+  pumper_.start();
 }
 
 void FrameSource::stop() {
+  pumper_.stop();
   images_.stop();
   odometry_.stop();
 }
@@ -101,7 +106,10 @@ void FrameSource::onOdometry(double stamp, const SE2& T_odom_base) {
 }
 
 bool FrameSource::patient() const {
-  return !waiting_since_ || newest_image_ - *waiting_since_ <= odometry_parameters_.wait;
+  if (!waiting_since_) return true;
+  const double patience = source_parameters_.patience;
+  return newest_image_ - waiting_since_->stamp <= patience &&
+         (ros::WallTime::now() - waiting_since_->arrival).toSec() <= patience;
 }
 
 bool FrameSource::cameraKnown() {
@@ -111,7 +119,7 @@ bool FrameSource::cameraKnown() {
     waiting_since_.reset();
     return true;
   }
-  if (!waiting_since_) waiting_since_ = newest_image_;
+  if (!waiting_since_) waiting_since_ = {newest_image_, ros::WallTime::now()};
   return false;
 }
 

@@ -9,7 +9,7 @@
 #include <ros/ros.h>
 #include <sensor_msgs/LaserScan.h>
 #include <sensor_msgs/PointCloud2.h>
-#include <tf2_ros/static_transform_broadcaster.h>
+#include <tf2_msgs/TFMessage.h>
 
 #include <functional>
 #include <map>
@@ -89,15 +89,26 @@ class RobotTopics {
   explicit RobotTopics(ros::NodeHandle& node)
       : images_(node.advertise<sensor_msgs::Image>("/robot/image_raw", 1000)),
         infos_(node.advertise<sensor_msgs::CameraInfo>("/robot/camera_info", 1000)),
-        odometry_(node.advertise<nav_msgs::Odometry>("/robot/odom", 1000)) {}
+        odometry_(node.advertise<nav_msgs::Odometry>("/robot/odom", 1000)),
+        tf_(node.advertise<tf2_msgs::TFMessage>("/tf_static", 10, true)) {}
 
+  /// The chain is awake, and what was latched has arrived.
   [[nodiscard]] bool waitForListeners() const {
-    return waitFor([this] {
+    const bool awake = waitFor([this] {
       return images_.getNumSubscribers() > 0 && odometry_.getNumSubscribers() > 0 &&
-             infos_.getNumSubscribers() > 0;
+             infos_.getNumSubscribers() > 0 && tf_.getNumSubscribers() > 0;
     });
+    waitFor([] { return false; }, 0.3);
+    return awake;
   }
-  void tellTf() { broadcaster_.sendTransform(robot.cameraTransform()); }
+  void tellTf() {
+    tf2_msgs::TFMessage message;
+    message.transforms.push_back(robot.cameraTransform());
+    tf_.publish(message);
+  }
+
+  /// Who listens to the images.
+  [[nodiscard]] int listeners() const { return static_cast<int>(images_.getNumSubscribers()); }
 
   void sendInfo(double t) { infos_.publish(robot.cameraInfo(stamp(t))); }
   void sendInfo(const sensor_msgs::CameraInfo& info) { infos_.publish(info); }
@@ -107,10 +118,10 @@ class RobotTopics {
   void sendImage(const sensor_msgs::ImagePtr& image) { images_.publish(image); }
 
   /// Frames `from` ... `to` - 1 with their calibration, and odometry around them.
-  void play(int from, int to) {
+  void play(int from, int to, bool with_images = true) {
     for (int i = from; i < to; ++i) {
       sendInfo(robot.frameTime(i));
-      sendImage(robot.frameTime(i));
+      if (with_images) sendImage(robot.frameTime(i));
       for (int k = 5 * i; k < 5 * (i + 1); ++k) sendOdometry(robot.odometryTime(k));
       ros::spinOnce();
     }
@@ -123,8 +134,7 @@ class RobotTopics {
   double time_shift = 0.0;
 
  private:
-  ros::Publisher images_, infos_, odometry_;
-  tf2_ros::StaticTransformBroadcaster broadcaster_;
+  ros::Publisher images_, infos_, odometry_, tf_;
 };
 
 }  // namespace ipm_mapping

@@ -27,7 +27,8 @@ struct Reference {
   std::unique_ptr<OccupancyMap> map;
 
   explicit Reference(const SyntheticRobot& robot) {
-    const Parameters parameters;
+    Parameters parameters;
+    parameters.map.hit = 3.0;  // as in the .test file
     ChainDetector detector(parameters);
     detector.setCamera(CameraModel(robot.intrinsics(), {}),
                        tf2::transformToEigen(robot.cameraTransform()));

@@ -69,9 +69,10 @@ TEST(ZeroCopy, EveryLinkOfTheChainSharesItsMessages) {
   const nodelet::M_string robot{{ros::names::resolve("image_raw"), "/robot/image_raw"},
                                 {ros::names::resolve("camera_info"), "/robot/camera_info"},
                                 {ros::names::resolve("odom"), "/robot/odom"}};
-  for (const auto& [name, parameter] : std::vector<std::pair<std::string, int>>{
-           {"/ipm/queue", 1000}, {"/ipm/waiting_frames", 1000}})
-    ros::param::set(name, parameter);
+  // The sequence comes in one burst: nothing may be dropped for that.
+  ros::param::set("/ipm/queue", 1000);
+  ros::param::set("/ipm/waiting_frames", 1000);
+  ros::param::set("/ipm/odometry/wait", 60.0);
   ASSERT_TRUE(loader.load("/ipm", "ipm_mapping/Ipm", robot, {}));
   ASSERT_TRUE(loader.load("/segmentation", "ipm_mapping/Segmentation", {}, {}));
   ASSERT_TRUE(loader.load("/localization", "ipm_mapping/Localization", {}, {}));

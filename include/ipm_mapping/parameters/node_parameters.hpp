@@ -16,6 +16,7 @@ struct SourceParameters {
   std::string base_frame;
   std::string odom_frame;
   PoseOrigin odometry_source = PoseOrigin::Topic;
+  double patience = 1.0;
   int queue = 10;
   int waiting_frames = 32;
 
@@ -27,6 +28,9 @@ struct SourceParameters {
           "frame of the robot's poses; empty: the frame of the odometry, or odom");
     field("odometry_source", self.odometry_source,
           "topic: nav_msgs/Odometry on odom; tf: base_frame in odom_frame, whenever tf changes");
+    field("patience", self.patience, Unit{"s"}, Range{0.0, 60.0},
+          "how long the first images wait for camera_info and tf before the calibration file and "
+          "the stated camera pose are taken");
     field("queue", self.queue, Unit{"messages"}, Range{1, 1000}, "length of the image queue");
     field("waiting_frames", self.waiting_frames, Unit{"frames"}, Range{1, 1000},
           "images that wait for odometry to pass their stamps; more are dropped, oldest first");

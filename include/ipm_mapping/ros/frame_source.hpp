@@ -76,7 +76,13 @@ class FrameSource {
   Gate gate_;
   std::array<std::uint64_t, gate_drop_count> reported_drops_{};
   std::string optical_frame_;
-  std::optional<double> waiting_since_;  ///< stamp of the first image without a known camera
+  /// The first image without a known camera: its stamp, and when it came.
+  struct FirstWaiting {
+    double stamp;
+    ros::WallTime arrival;
+  };
+  std::optional<FirstWaiting> waiting_since_;
+  ros::WallTimer pumper_;
   double newest_image_ = 0.0;
   int camera_revision_ = 0;
   std::uint64_t next_index_ = 0;
