@@ -15,25 +15,48 @@ struct Stretch {
   Eigen::Vector2d far_point{1.0, 0.0};
 };
 
+/// Rows of a line from `lowest` up to where its floor leaves the range. The distance to the base
+/// origin is a convex function along a ray from the camera's foot: it leaves the range once.
+int highestRowInRange(const std::int16_t* column, int first, int lowest, const FloorOfView& floor,
+                      double max_range) {
+  const auto inside = [&](int v) {
+    const auto point = floor.at(column[v], v);
+    return point && point->norm() <= max_range;
+  };
+  if (!inside(lowest)) return lowest + 1;
+  int in = lowest, out = first - 1;
+  while (in - out > 1) {
+    const int middle = (in + out) / 2;
+    (inside(middle) ? in : out) = middle;
+  }
+  return in;
+}
+
 Stretch measure(const LineOnMask& line, const FloorOfView& floor, double max_range) {
+  const std::int16_t* column = line.columns;
+  const GrayView obstacle_mask = line.obstacle_mask;
   Stretch stretch;
+  int lowest = obstacle_mask.height - 1, first = 0;
+  while (lowest >= 0 && column[lowest] == PolarBeam::outside) --lowest;
+  while (first < lowest && column[first] == PolarBeam::outside) ++first;
+  if (lowest < 0) return stretch;
+  const int highest = highestRowInRange(column, first, lowest, floor, max_range);
+  int near = -1, far = -1;
   bool broken = false;
-  for (int v = line.obstacle_mask.height - 1; v >= 0; --v) {
-    const int u = line.columns[v];
-    if (u == PolarBeam::outside) continue;
-    const auto point = floor.at(u, v);
-    if (!point || point->norm() > max_range) break;
-    ++stretch.rows;
-    if (line.obstacle_mask.at(u, v) == mask::unseen) {
-      broken = broken || stretch.seen > 0;
+  for (int v = lowest; v >= highest; --v) {
+    if (obstacle_mask.at(column[v], v) == mask::unseen) {
+      broken = near >= 0;
       continue;
     }
-    const double distance = (*point - floor.foot).norm();
-    if (stretch.seen++ == 0) stretch.near = distance;
-    if (broken) continue;
-    stretch.far = distance;
-    stretch.far_point = *point;
+    if (near < 0) near = v;
+    if (!broken) far = v;
+    ++stretch.seen;
   }
+  stretch.rows = lowest - highest + 1;
+  if (near < 0) return stretch;
+  stretch.near = (*floor.at(column[near], near) - floor.foot).norm();
+  stretch.far_point = *floor.at(column[far], far);
+  stretch.far = (stretch.far_point - floor.foot).norm();
   return stretch;
 }
 

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "ipm_mapping/stages/erosion.hpp"
-
 namespace ipm_mapping {
 
 Segmentation::Result Segmentation::process(GrayView difference, GrayView valid,
@@ -28,7 +26,7 @@ Segmentation::Result Segmentation::process(GrayView difference, GrayView valid,
 
   binarize(blurred_.view(), blurred_valid_.view(), separable ? result.threshold : 255,
            binary_.view());
-  erode(binary_.view(), eroded_.view());
+  erosion_(binary_.view(), eroded_.view());
   mask::compose(eroded_.view(), blurred_valid_.view(), obstacle_mask);
   return result;
 }

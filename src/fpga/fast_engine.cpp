@@ -42,7 +42,8 @@ void spread(const BitRow& bits, std::uint8_t* out, int width) {
 }  // namespace
 
 void RowHistogram::clear() {
-  for (auto& table : tables_) table.fill(0);
+  pairs_.fill(0);
+  singles_.fill(0);
 }
 
 void RowHistogram::add(const std::uint8_t* row, int width) {
@@ -50,15 +51,24 @@ void RowHistogram::add(const std::uint8_t* row, int width) {
   for (; u + 8 <= width; u += 8) {
     std::uint64_t eight;
     std::memcpy(&eight, row + u, 8);
-    for (std::size_t k = 0; k < table_count; ++k) ++tables_[k][eight >> (8 * k) & 0xff];
+    ++pairs_[eight & 0xffff];
+    ++pairs_[eight >> 16 & 0xffff];
+    ++pairs_[eight >> 32 & 0xffff];
+    ++pairs_[eight >> 48];
   }
-  for (; u < width; ++u) ++tables_[0][row[u]];
+  for (; u < width; ++u) ++singles_[row[u]];
 }
 
 void RowHistogram::collect(GreyHistogram& bins) const {
-  for (std::size_t i = 0; i < bins.size(); ++i) {
-    bins[i] = 0;
-    for (const auto& table : tables_) bins[i] += table[i];
+  bins = singles_;
+  for (std::size_t high = 0; high < 256; ++high) {
+    const std::uint32_t* pairs = pairs_.data() + 256 * high;
+    std::uint32_t sum = 0;
+    for (std::size_t low = 0; low < 256; ++low) {
+      sum += pairs[low];
+      bins[low] += pairs[low];
+    }
+    bins[high] += sum;
   }
   bins[invalid_grey] = 0;
 }

@@ -12,6 +12,7 @@ FPGA_INLINE void difference(const std::uint8_t* reference, const std::int32_t* o
                             const std::uint8_t* current, const std::uint8_t* current_valid,
                             int width, std::uint8_t* out, std::uint8_t* valid) {
   alignas(64) std::uint8_t sampled[row_capacity];
+#pragma GCC unroll 16
   for (int u = 0; u < width; ++u) sampled[u] = reference[offsets[u]];
   for (int u = 0; u < width; ++u) {
     const std::uint8_t a = sampled[u], b = current[u];

@@ -56,6 +56,12 @@ FPGA_INLINE I32 join(Halves h) {
   constexpr std::uint64_t low = 0xffffffffU;
   return (I32)((h.even & low) | (h.odd << 32));
 }
+/// (products + offset) >> 22: the two floors of rules 4 and 5 in one.
+FPGA_INLINE I32 joinAfter22(Halves products, std::int64_t offset) {
+  constexpr std::uint64_t low = 0xffffffffU;
+  const auto addend = static_cast<std::uint64_t>(offset);
+  return (I32)(((products.even + addend) >> 22 & low) | ((products.odd + addend) << 10 & ~low));
+}
 FPGA_INLINE Halves spread(std::int32_t value) { return split(all(value)); }
 FPGA_INLINE Halves operator+(Halves a, Halves b) { return {a.even + b.even, a.odd + b.odd}; }
 FPGA_INLINE Halves operator*(Halves a, Halves b) {
@@ -66,6 +72,10 @@ FPGA_INLINE Halves floor16(Halves a) { return {a.even >> 16, a.odd >> 16}; }
 
 struct NormalizedPoint {
   I32 x, y;
+};
+
+struct PixelBlock {
+  I32 u, v;
 };
 
 /// What warpRow keeps in registers.
@@ -102,9 +112,9 @@ FPGA_INLINE NormalizedPoint normalizedBlock(const WarpConstants& c, I32 x, I32 y
   return n;
 }
 
-/// Rule 4 behind xn, yn, everything in 32 bits: raw coordinates, and validity.
+/// Rules 4 and 5 behind xn, yn, everything in 32 bits: ui and vi, and validity.
 template <bool HasK3>
-FPGA_INLINE NormalizedPoint distorted(const LensConstants& c, NormalizedPoint n, I32& valid) {
+FPGA_INLINE PixelBlock distorted(const LensConstants& c, NormalizedPoint n, I32& valid) {
   const Halves xn = split(n.x), yn = split(n.y);
   const Halves r2 = floor16(xn * xn + yn * yn);
   valid &= join(r2) <= c.r2_max;
@@ -112,10 +122,10 @@ FPGA_INLINE NormalizedPoint distorted(const LensConstants& c, NormalizedPoint n,
   if constexpr (HasK3) p = floor16(spread(c.k3) * r2) + p;
   p = floor16(p * r2) + spread(c.k1);
   p = floor16(p * r2) + spread(65536);
-  const auto raw = [&p](Halves v, std::int32_t f, std::int32_t centre) {
-    return join(floor16(floor16(v * p) * spread(f))) + centre;
+  const auto nearest = [&p](Halves v, std::int32_t f, std::int32_t centre) {
+    return joinAfter22(floor16(v * p) * spread(f), std::int64_t{centre + 32} << 16);
   };
-  return {raw(xn, c.fx, c.cx), raw(yn, c.fy, c.cy)};
+  return {nearest(xn, c.fx, c.cx), nearest(yn, c.fy, c.cy)};
 }
 
 FPGA_INLINE std::int64_t counted(I32 minus_ones) {
@@ -129,46 +139,73 @@ struct Sums {
   I32 u, nx, ny, d, horizon;
 };
 
-/// Rules 4 and 5 of a block: offsets; narrows valid.
-template <bool HasK3>
-FPGA_INLINE I32 lensBlock(const WarpConstants& c, I32 x, I32 y, I32& valid, I32& near_write,
-                          LensCounts& counts) {
-  const NormalizedPoint n = normalizedBlock(c, x, y, valid, counts);
-  const NormalizedPoint raw = distorted<HasK3>(c.lens, n, valid);
-  const AddressConstants& a = c.address;
-  const I32 ui = (raw.x + 32) >> 6, vi = (raw.y + 32) >> 6;
-  valid &= ((U32)ui < (std::uint32_t)a.width) & ((U32)vi < (std::uint32_t)a.height);
-  near_write += valid & (vi < a.near_write_below);
-  return valid & (vi * a.stride + ui);
-}
-
-template <bool HasK3>
-FPGA_INLINE std::int64_t warpRow(const HomographyRow& h, const WarpConstants c,
-                                 std::int32_t* offsets, std::uint8_t* valid_bytes,
-                                 LensCounts& counts) {
+/// Rule 3 of a row; whether any pixel is left.
+FPGA_INLINE bool homographyRow(const HomographyRow& h, int width, CoordinateRow& row) {
   const I32 u0 = columnIndices();
   Sums s{u0, h.nx + h.nx_step * u0, h.ny + h.ny_step * u0, h.d + h.d_step * u0,
          h.horizon + h.horizon_step * u0};
   const Sums step{all(lanes), all(lanes * h.nx_step), all(lanes * h.ny_step), all(lanes * h.d_step),
                   all(lanes * h.horizon_step)};
-  I32 near_write{};
-  LensCounts local;
-  for (int u = 0; u < c.address.width; u += lanes) {
-    I32 valid = (s.d > 0) & (s.horizon > 0) & (s.u < c.address.width);
+  I32 any{};
+  for (int u = 0; u < width; u += lanes) {
     const I32 divisor = s.d > 0 ? s.d : all(1);
     const F32 scale = view_scale / __builtin_convertvector(divisor, F32);
     const I32 x = quotient(s.nx, 6, divisor, scale);
     const I32 y = quotient(s.ny, 6, divisor, scale);
-    valid &= (x >= -131072) & (x <= 131071) & (y >= -131072) & (y <= 131071);
-    I32 offset{};
-    if (FPGA_ANY(valid)) offset = lensBlock<HasK3>(c, x, y, valid, near_write, local);
-    storeVector(offsets + u, offset);
-    storeVector(valid_bytes + u, __builtin_convertvector(valid, U8));
+    storeVector(row.x + u, x);
+    storeVector(row.y + u, y);
+    const I32 valid = (s.d > 0) & (s.horizon > 0) & (s.u < width) & (x >= -131072) & (x <= 131071) &
+                      (y >= -131072) & (y <= 131071);
+    storeVector(row.valid + u, valid);
+    any |= valid;
     s = {s.u + step.u, s.nx + step.nx, s.ny + step.ny, s.d + step.d, s.horizon + step.horizon};
   }
+  return FPGA_ANY(any);
+}
+
+FPGA_INLINE void normalizeRow(const WarpConstants& c, int width, CoordinateRow& row,
+                              LensCounts& counts) {
+  for (int u = 0; u < width; u += lanes) {
+    const NormalizedPoint n =
+        normalizedBlock(c, loadVector<I32>(row.x + u), loadVector<I32>(row.y + u),
+                        loadVector<I32>(row.valid + u), counts);
+    storeVector(row.x + u, n.x);
+    storeVector(row.y + u, n.y);
+  }
+}
+
+template <bool HasK3>
+FPGA_INLINE std::int64_t addressRow(const WarpConstants& c, const CoordinateRow& row,
+                                    std::int32_t* offsets, std::uint8_t* valid_bytes) {
+  const AddressConstants& a = c.address;
+  I32 near_write{};
+  for (int u = 0; u < a.width; u += lanes) {
+    I32 valid = loadVector<I32>(row.valid + u);
+    const PixelBlock pixel =
+        distorted<HasK3>(c.lens, {loadVector<I32>(row.x + u), loadVector<I32>(row.y + u)}, valid);
+    valid &= ((U32)pixel.u < (std::uint32_t)a.width) & ((U32)pixel.v < (std::uint32_t)a.height);
+    near_write += valid & (pixel.v < a.near_write_below);
+    storeVector(offsets + u, valid & (pixel.v * a.stride + pixel.u));
+    storeVector(valid_bytes + u, __builtin_convertvector(valid, U8));
+  }
+  return counted(near_write);
+}
+
+/// Three short loops: their chains of dependent operations overlap, one long one's would not.
+template <bool HasK3>
+FPGA_INLINE std::int64_t warpRow(const HomographyRow h, const WarpConstants c,
+                                 CoordinateRow& scratch, std::int32_t* offsets,
+                                 std::uint8_t* valid_bytes, LensCounts& counts) {
+  LensCounts local;
+  if (!homographyRow(h, c.address.width, scratch)) {
+    std::fill_n(offsets, c.address.width, 0);
+    std::fill_n(valid_bytes, c.address.width, std::uint8_t{0});
+    return 0;
+  }
+  normalizeRow(c, c.address.width, scratch, local);
   counts.xn += local.xn;
   counts.yn += local.yn;
-  return counted(near_write);
+  return addressRow<HasK3>(c, scratch, offsets, valid_bytes);
 }
 
 std::int64_t warp(const HomographyRow& h, const LensConstants& lens, const AddressConstants& a,
@@ -177,8 +214,8 @@ std::int64_t warp(const HomographyRow& h, const LensConstants& lens, const Addre
   if (!lens.narrow) return body::warp(h, lens, a, scratch, offsets, valid, counts);
   const WarpConstants c{lens, a, lens.x_scale * normalized_scale - F32{},
                         lens.y_scale * normalized_scale - F32{}};
-  return lens.k3 == 0 ? warpRow<false>(h, c, offsets, valid, counts)
-                      : warpRow<true>(h, c, offsets, valid, counts);
+  return lens.k3 == 0 ? warpRow<false>(h, c, scratch, offsets, valid, counts)
+                      : warpRow<true>(h, c, scratch, offsets, valid, counts);
 }
 
 FPGA_INLINE I32 onesOf(I32 bits) {

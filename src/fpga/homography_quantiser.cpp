@@ -14,23 +14,14 @@ constexpr std::int64_t no_limit = std::numeric_limits<std::int64_t>::max();
 
 bool isOffset(std::size_t i) { return i % 3 == 2; }
 
-double unitsOf(std::size_t i) {
-  return isOffset(i) ? 1 << formats::HomographyOffset::fraction_bits
-                     : 1 << formats::HomographyLinear::fraction_bits;
-}
-
-bool fitsWord(double value) {
-  return value >= formats::HomographyLinear::lowest() &&
-         value <= formats::HomographyLinear::highest();
-}
-
 /// scale * G in the registers' units, rounded; nothing when a coefficient does not fit.
-std::optional<HomographyWords> rounded(const Eigen::Matrix3d& G, double scale) {
+std::optional<HomographyWords> rounded(const Eigen::Matrix3d& G, double scale,
+                                       CoefficientFormat format) {
   HomographyWords words{};
   for (std::size_t i = 0; i < words.size(); ++i) {
     const double value =
-        std::round(G(static_cast<int>(i / 3), static_cast<int>(i % 3)) * scale * unitsOf(i));
-    if (!fitsWord(value)) return std::nullopt;
+        std::round(G(static_cast<int>(i / 3), static_cast<int>(i % 3)) * scale * format.unit(i));
+    if (!format.fits(i, value)) return std::nullopt;
     words[i] = static_cast<std::int32_t>(value);
   }
   return words;
@@ -71,11 +62,12 @@ class Ranking {
   std::size_t size_ = 0;
 };
 
-Ranking searchScales(const Eigen::Matrix3d& G, double power_of_two, ErrorGrid& grid) {
+Ranking searchScales(const Eigen::Matrix3d& G, double power_of_two, CoefficientFormat format,
+                     ErrorGrid& grid) {
   Ranking ranking;
   for (int j = 0; j < scale_count; ++j) {
     const double scale = power_of_two / 2.0 * std::pow(4.0, j / (scale_count - 1.0));
-    const auto words = rounded(G, scale);
+    const auto words = rounded(G, scale, format);
     if (!words) continue;
     if (const auto error = grid.error(*words, ranking.limit())) {
       ranking.insert({*error, scale, *words});
@@ -85,13 +77,13 @@ Ranking searchScales(const Eigen::Matrix3d& G, double power_of_two, ErrorGrid& g
 }
 
 /// One step of the polish: the best of the 18 neighbours, if it is better. Row-major, -1 first.
-bool improve(Candidate& candidate, ErrorGrid& grid) {
+bool improve(Candidate& candidate, CoefficientFormat format, ErrorGrid& grid) {
   Candidate best = candidate;
   for (std::size_t i = 0; i < candidate.words.size(); ++i) {
     for (const int change : {-1, 1}) {
       HomographyWords words = candidate.words;
       words[i] += change;
-      if (!fitsWord(words[i])) continue;
+      if (!format.fits(i, words[i])) continue;
       if (const auto error = grid.error(words, best.error)) {
         best.error = *error;
         best.words = words;
@@ -110,7 +102,19 @@ QuantisedHomography result(const Candidate& candidate, int steps) {
 
 }  // namespace
 
-ErrorGrid::ErrorGrid(const GroundView& view, const Eigen::Matrix3d& G) {
+double CoefficientFormat::unit(std::size_t i) const {
+  return std::ldexp(1.0, isOffset(i) ? offset : linear);
+}
+
+bool CoefficientFormat::fits(std::size_t i, double rounded) const {
+  const int integer_bits = isOffset(i) ? formats::HomographyOffset::integer_bits
+                                       : formats::HomographyLinear::integer_bits;
+  const double limit = std::ldexp(unit(i), integer_bits - 1);
+  return rounded >= -limit && rounded <= limit - 1.0;
+}
+
+ErrorGrid::ErrorGrid(const GroundView& view, const Eigen::Matrix3d& G, CoefficientFormat format)
+    : format_(format) {
   const CameraModel& camera = view.camera;
   const Distortion& d = camera.distortion();
   const CameraModel lens(camera.intrinsics(), {d.k1, d.k2, 0.0, 0.0, d.k3});
@@ -125,47 +129,76 @@ ErrorGrid::ErrorGrid(const GroundView& view, const Eigen::Matrix3d& G) {
     const int v = i / columns * (lens.height() - 1) / (rows - 1);
     const Eigen::Vector3d g = G * Eigen::Vector3d(u, v, 1.0);
     if (!(floor.inverseDepth(u, v) > 0.0) || !(g.z() > 0.0)) continue;
-    const Point point{static_cast<double>(u), static_cast<double>(v), g.x() / g.z(), g.y() / g.z()};
-    if (seen(point.u, point.v) && seen(point.x, point.y)) {
-      points_[static_cast<std::size_t>(size_++)] = point;
-    }
+    const Eigen::Vector2d target = g.hnormalized();
+    if (seen(u, v) && seen(target.x(), target.y())) add(u, v, target);
+  }
+  pad();
+}
+
+void ErrorGrid::add(double u, double v, const Eigen::Vector2d& target) {
+  const auto i = static_cast<std::size_t>(size_++);
+  u_[i] = u;
+  v_[i] = v;
+  x_[i] = target.x();
+  y_[i] = target.y();
+}
+
+/// Fills the last group with copies of a point, which change no maximum.
+void ErrorGrid::pad() {
+  for (auto i = static_cast<std::size_t>(size_); size_ > 0 && i < padded; ++i) {
+    u_[i] = u_[0];
+    v_[i] = v_[0];
+    x_[i] = x_[0];
+    y_[i] = y_[0];
+  }
+}
+
+/// The group that refused a candidate is likely to refuse the next one.
+void ErrorGrid::moveToFront(std::size_t worst) {
+  for (auto* array : {&u_, &v_, &x_, &y_}) {
+    std::swap_ranges(array->begin(), array->begin() + group,
+                     array->begin() + static_cast<std::ptrdiff_t>(worst));
   }
 }
 
 std::optional<std::int64_t> ErrorGrid::error(const HomographyWords& words, std::int64_t limit) {
   std::array<double, 9> h;
-  for (std::size_t i = 0; i < h.size(); ++i) h[i] = words[i] * (isOffset(i) ? 16.0 : 1.0);
-  double worst = -1.0;
-  std::size_t worst_index = 0;
+  for (std::size_t i = 0; i < h.size(); ++i) h[i] = words[i] / format_.unit(i);
   const double bound = static_cast<double>(limit) / error_units;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(size_); ++i) {
-    const Point& p = points_[i];
-    const double d = h[6] * p.u + h[7] * p.v + h[8];
-    if (!(d > 0.0)) return std::nullopt;
-    const double error = std::hypot((h[0] * p.u + h[1] * p.v + h[2]) / d - p.x,
-                                    (h[3] * p.u + h[4] * p.v + h[5]) / d - p.y);
-    if (!(error > worst)) continue;
-    worst = error;
-    worst_index = i;
-    if (!(worst < bound)) break;
+  double worst = 0.0;
+  for (std::size_t first = 0; first < static_cast<std::size_t>(size_); first += group) {
+    double lowest_d = std::numeric_limits<double>::infinity(), highest = 0.0;
+    for (std::size_t i = first; i < first + group; ++i) {
+      const double d = h[6] * u_[i] + h[7] * v_[i] + h[8];
+      const double dx = (h[0] * u_[i] + h[1] * v_[i] + h[2]) / d - x_[i];
+      const double dy = (h[3] * u_[i] + h[4] * v_[i] + h[5]) / d - y_[i];
+      const double squared = dx * dx + dy * dy;
+      lowest_d = d < lowest_d ? d : lowest_d;
+      highest = squared > highest ? squared : highest;
+    }
+    if (!(lowest_d > 0.0)) return std::nullopt;
+    worst = std::max(worst, highest);
+    if (std::sqrt(worst) < bound) continue;
+    if (first > 0) moveToFront(first);
+    return std::nullopt;
   }
-  std::swap(points_[0], points_[worst_index]);
-  const double units = std::round(worst * error_units);
+  const double units = std::round(std::sqrt(worst) * error_units);
   if (!(units < static_cast<double>(limit))) return std::nullopt;
   return static_cast<std::int64_t>(units);
 }
 
-std::optional<QuantisedHomography> quantiseHomography(const GroundView& view) {
+std::optional<QuantisedHomography> quantiseHomography(const GroundView& view,
+                                                      CoefficientFormat format) {
   const Eigen::Matrix3d G = view.G();
-  ErrorGrid grid(view, G);
-  const auto exponent = largestExponent([&G](double scale) { return rounded(G, scale); });
+  ErrorGrid grid(view, G, format);
+  const auto exponent = largestExponent([&](double scale) { return rounded(G, scale, format); });
   if (grid.size() == 0 || !exponent) return std::nullopt;
-  const Ranking ranking = searchScales(G, std::ldexp(1.0, *exponent), grid);
+  const Ranking ranking = searchScales(G, std::ldexp(1.0, *exponent), format, grid);
   std::optional<QuantisedHomography> best;
   std::int64_t best_error = no_limit;
   for (Candidate candidate : ranking) {
     int steps = 0;
-    while (improve(candidate, grid)) ++steps;
+    while (improve(candidate, format, grid)) ++steps;
     if (candidate.error >= best_error) continue;
     best_error = candidate.error;
     best = result(candidate, steps);
@@ -176,11 +209,11 @@ std::optional<QuantisedHomography> quantiseHomography(const GroundView& view) {
 std::optional<QuantisedHomography> quantiseAtPowerOfTwo(const GroundView& view) {
   const Eigen::Matrix3d G = view.G();
   ErrorGrid grid(view, G);
-  const auto exponent = largestExponent([&G](double scale) { return rounded(G, scale); });
+  const auto exponent = largestExponent([&G](double scale) { return rounded(G, scale, {}); });
   if (grid.size() == 0 || !exponent) return std::nullopt;
   Candidate candidate;
   candidate.scale = std::ldexp(1.0, *exponent);
-  candidate.words = *rounded(G, candidate.scale);
+  candidate.words = *rounded(G, candidate.scale, {});
   const auto error = grid.error(candidate.words, no_limit);
   if (!error) return std::nullopt;
   candidate.error = *error;
@@ -192,13 +225,14 @@ std::array<std::int32_t, 3> quantiseHorizon(const GroundView& view) {
   const auto scaled = [&row](double scale) {
     std::array<double, 3> words{};
     for (std::size_t i = 0; i < 3; ++i) {
-      words[i] = std::round(row(static_cast<int>(i)) * scale * unitsOf(i));
+      words[i] = std::round(row(static_cast<int>(i)) * scale * CoefficientFormat{}.unit(i));
     }
     return words;
   };
   const auto exponent = largestExponent([&scaled](double scale) {
     const auto words = scaled(scale);
-    return std::all_of(words.begin(), words.end(), fitsWord);
+    return CoefficientFormat{}.fits(0, words[0]) && CoefficientFormat{}.fits(1, words[1]) &&
+           CoefficientFormat{}.fits(2, words[2]);
   });
   const auto words = scaled(std::ldexp(1.0, exponent.value_or(0)));
   return {static_cast<std::int32_t>(words[0]), static_cast<std::int32_t>(words[1]),

@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
+
+// Byte permutes over two registers (AVX-512 VBMI) are worth a target of their own.
+#define HWY_WANT_AVX3_DL
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/chain_warp.cpp"
@@ -20,15 +24,127 @@ using Ints = hn::RebindToSigned<Floats>;
 using Shorts = hn::Rebind<std::int16_t, Floats>;
 using Bytes = hn::Rebind<std::uint8_t, Floats>;
 
-/// Splits rounded coordinates into pixel and way; a sample on the last row or column goes the whole
-/// way from the one before it.
-HWY_ATTR void StoreCoordinate(hn::Vec<Floats> coordinate, hn::Mask<Floats> seen, int size,
-                              std::int16_t* pixel, std::uint8_t* way) {
-  const Floats f;
+// Adding this rounds a float of less than 2^22 to the nearest integer, into its low bits.
+constexpr float rounder = 12582912.0F;  // 1.5 * 2^23
+constexpr float safe_margin = 1.0F;     // pixels
+constexpr float safe_turning = 0.95F;   // of the squared radius
+
+constexpr bool vectors = HWY_TARGET != HWY_EMU128 && HWY_TARGET != HWY_SCALAR;
+
+// ---- one pixel: the definition, and all there is without vector instructions -------------------
+
+struct RawPixel {
+  float u, v, r2;
+  bool in_front;
+};
+
+HWY_INLINE RawPixel ExactPixel(const RayRow& rays, const Lens& lens, int u) {
+  const auto along = [column = static_cast<float>(u)](float start, float step) {
+    return start + column * step;
+  };
+  const float z = along(rays.z, rays.dz);
+  const float depth = along(rays.inverse_depth, rays.d_inverse_depth);
+  const float scale = 1.0F / z;
+  const float x = along(rays.x, rays.dx) * scale, y = along(rays.y, rays.dy) * scale;
+  const float xx = x * x, yy = y * y, xy2 = 2.0F * (x * y), r2 = xx + yy;
+  const float radial = 1.0F + r2 * (lens.k1 + r2 * (lens.k2 + r2 * lens.k3));
+  const float tangential_x = lens.p1 * xy2 + lens.p2 * (r2 + 2.0F * xx);
+  const float tangential_y = lens.p1 * (r2 + 2.0F * yy) + lens.p2 * xy2;
+  return {lens.fx * (x * radial + tangential_x) + lens.cx,
+          lens.fy * (y * radial + tangential_y) + lens.cy, r2, z > 0.0F && depth > 0.0F};
+}
+
+HWY_INLINE bool Inside(const RawPixel& p, const Lens& lens, float margin, float turning) {
+  return p.in_front && p.r2 < turning && p.u > margin && p.v > margin &&
+         p.u < static_cast<float>(lens.width - 1) - margin &&
+         p.v < static_cast<float>(lens.height - 1) - margin;
+}
+
+HWY_INLINE void SplitPixel(float coordinate, int size, std::int16_t& pixel, std::uint8_t& way) {
+  const float shifted = coordinate * static_cast<float>(sample_steps) + rounder;
+  std::int32_t bits = 0, zero = 0;
+  std::memcpy(&bits, &shifted, sizeof bits);
+  std::memcpy(&zero, &rounder, sizeof zero);
+  const int rounded = bits - zero;
+  const int whole = std::min(rounded >> 7, size - 2);
+  pixel = static_cast<std::int16_t>(whole);
+  way = static_cast<std::uint8_t>(rounded - (whole << 7));
+}
+
+inline void MapPixel(const RayRow& rays, const KeyRows* keys, const Lens& lens,
+                     const Samples::Row& samples, int u) {
+  RawPixel p{};
+  bool seen = false;
+  if (keys != nullptr) {
+    const auto i = static_cast<std::size_t>(u);
+    const auto mix = [&](auto coordinate) {
+      return keys->weights[0] * (*keys->rows[0].*coordinate)[i] +
+             keys->weights[1] * (*keys->rows[1].*coordinate)[i] +
+             keys->weights[2] * (*keys->rows[2].*coordinate)[i];
+    };
+    p.u = mix(&KeyRow::u);
+    p.v = mix(&KeyRow::v);
+    seen = p.u == p.u;
+  }
+  if (!seen) {
+    p = ExactPixel(rays, lens, u);
+    seen = Inside(p, lens, -0.5F / sample_steps, lens.turning_radius_squared);
+  }
+  samples.u[u] = samples.v[u] = 0;
+  samples.right[u] = samples.down[u] = sample_outside;
+  if (!seen) return;
+  SplitPixel(p.u, lens.width, samples.u[u], samples.right[u]);
+  SplitPixel(p.v, lens.height, samples.v[u], samples.down[u]);
+}
+
+// ---- vectors ------------------------------------------------------------------------------------
+
+struct RawVector {
+  hn::Vec<Floats> u, v, r2;
+  hn::Mask<Floats> in_front;
+};
+
+HWY_INLINE hn::Vec<Floats> Set(float value) { return hn::Set(Floats(), value); }
+
+HWY_INLINE RawVector Exact(const RayRow& rays, const Lens& lens, int u) {
+  const auto column = hn::Iota(Floats(), static_cast<float>(u));
+  const auto one = Set(1.0F), two = Set(2.0F);
+  const auto z = hn::Add(Set(rays.z), hn::Mul(column, Set(rays.dz)));
+  const auto depth = hn::Add(Set(rays.inverse_depth), hn::Mul(column, Set(rays.d_inverse_depth)));
+  const auto scale = hn::Div(one, z);
+  const auto x = hn::Mul(hn::Add(Set(rays.x), hn::Mul(column, Set(rays.dx))), scale);
+  const auto y = hn::Mul(hn::Add(Set(rays.y), hn::Mul(column, Set(rays.dy))), scale);
+
+  const auto xx = hn::Mul(x, x), yy = hn::Mul(y, y), xy2 = hn::Mul(two, hn::Mul(x, y));
+  const auto r2 = hn::Add(xx, yy);
+  auto radial = hn::Add(Set(lens.k2), hn::Mul(r2, Set(lens.k3)));
+  radial = hn::Add(Set(lens.k1), hn::Mul(r2, radial));
+  radial = hn::Add(one, hn::Mul(r2, radial));
+  const auto tangential_x =
+      hn::Add(hn::Mul(Set(lens.p1), xy2), hn::Mul(Set(lens.p2), hn::Add(r2, hn::Mul(two, xx))));
+  const auto tangential_y =
+      hn::Add(hn::Mul(Set(lens.p1), hn::Add(r2, hn::Mul(two, yy))), hn::Mul(Set(lens.p2), xy2));
+  const auto zero = hn::Zero(Floats());
+  return {hn::Add(hn::Mul(Set(lens.fx), hn::Add(hn::Mul(x, radial), tangential_x)), Set(lens.cx)),
+          hn::Add(hn::Mul(Set(lens.fy), hn::Add(hn::Mul(y, radial), tangential_y)), Set(lens.cy)),
+          r2, hn::And(hn::Gt(z, zero), hn::Gt(depth, zero))};
+}
+
+HWY_INLINE hn::Mask<Floats> Inside(const RawVector& p, const Lens& lens, float margin,
+                                   float turning) {
+  const auto right = Set(static_cast<float>(lens.width - 1) - margin);
+  const auto bottom = Set(static_cast<float>(lens.height - 1) - margin);
+  const auto inside = hn::And(p.in_front, hn::Lt(p.r2, Set(turning)));
+  const auto after = hn::And(hn::Gt(p.u, Set(margin)), hn::Gt(p.v, Set(margin)));
+  return hn::And(inside, hn::And(after, hn::And(hn::Lt(p.u, right), hn::Lt(p.v, bottom))));
+}
+
+HWY_INLINE void Split(hn::Vec<Floats> coordinate, hn::Mask<Floats> seen, int size,
+                      std::int16_t* pixel, std::uint8_t* way) {
   const Ints i;
-  const auto rounded = hn::ConvertTo(
-      i, hn::IfThenElseZero(
-             seen, hn::Add(hn::Mul(coordinate, hn::Set(f, sample_steps)), hn::Set(f, 0.5F))));
+  const auto shifted = hn::Add(hn::Mul(coordinate, Set(sample_steps)), Set(rounder));
+  const auto rounded = hn::IfThenElseZero(
+      hn::RebindMask(i, seen), hn::Sub(hn::BitCast(i, shifted), hn::BitCast(i, Set(rounder))));
   const auto whole = hn::Min(hn::ShiftRight<7>(rounded), hn::Set(i, size - 2));
   const auto rest = hn::Sub(rounded, hn::ShiftLeft<7>(whole));
   hn::StoreU(hn::DemoteTo(Shorts(), whole), Shorts(), pixel);
@@ -36,59 +152,177 @@ HWY_ATTR void StoreCoordinate(hn::Vec<Floats> coordinate, hn::Mask<Floats> seen,
   hn::StoreU(hn::DemoteTo(Bytes(), marked), Bytes(), way);
 }
 
-HWY_ATTR void MapRow(const RayRow& rays, const Lens& lens, const Samples::Row& samples,
-                     int padded_width) {
+/// Interpolated coordinates; NaN where a key row has none.
+HWY_INLINE hn::Vec<Floats> Mix(const KeyRows& keys, const float* a, const float* b,
+                               const float* c) {
   const Floats f;
-  const auto set = [f](float value) HWY_ATTR { return hn::Set(f, value); };
-  const auto one = set(1.0F), two = set(2.0F), half_step = set(0.5F / sample_steps);
-  const int lanes = static_cast<int>(hn::Lanes(f));
+  const auto first = hn::Mul(Set(keys.weights[0]), hn::LoadU(f, a));
+  const auto second = hn::Mul(Set(keys.weights[1]), hn::LoadU(f, b));
+  return hn::Add(hn::Add(first, second), hn::Mul(Set(keys.weights[2]), hn::LoadU(f, c)));
+}
+
+HWY_ATTR void MapRow(const RayRow& ray_row, const KeyRows* keys, const Lens& lens_model,
+                     const Samples::Row& row, int padded_width) {
+  if (!vectors) {
+    for (int u = 0; u < padded_width; ++u) MapPixel(ray_row, keys, lens_model, row, u);
+    return;
+  }
+  // Copies: the stores below could overwrite the originals, for all that the compiler knows.
+  const RayRow rays = ray_row;
+  const Lens lens = lens_model;
+  const Samples::Row samples = row;
+  const auto key = [&](std::size_t k, auto coordinate) {
+    return keys == nullptr ? nullptr : (*keys->rows[k].*coordinate).data();
+  };
+  const std::array<const float*, 3> key_u{key(0, &KeyRow::u), key(1, &KeyRow::u),
+                                          key(2, &KeyRow::u)};
+  const std::array<const float*, 3> key_v{key(0, &KeyRow::v), key(1, &KeyRow::v),
+                                          key(2, &KeyRow::v)};
+  const KeyRows weights = keys == nullptr ? KeyRows{} : *keys;
+  const int lanes = static_cast<int>(hn::Lanes(Floats()));
   for (int u = 0; u < padded_width; u += lanes) {
-    const auto column = hn::Iota(f, static_cast<float>(u));
-    const auto along = [&](float start, float step)
-                           HWY_ATTR { return hn::Add(set(start), hn::Mul(column, set(step))); };
-    const auto z = along(rays.z, rays.dz);
-    const auto depth = along(rays.inverse_depth, rays.d_inverse_depth);
-    const auto scale = hn::Div(one, z);
-    const auto x = hn::Mul(along(rays.x, rays.dx), scale);
-    const auto y = hn::Mul(along(rays.y, rays.dy), scale);
-
-    const auto xx = hn::Mul(x, x), yy = hn::Mul(y, y), xy2 = hn::Mul(two, hn::Mul(x, y));
-    const auto r2 = hn::Add(xx, yy);
-    auto radial = hn::Add(set(lens.k2), hn::Mul(r2, set(lens.k3)));
-    radial = hn::Add(set(lens.k1), hn::Mul(r2, radial));
-    radial = hn::Add(one, hn::Mul(r2, radial));
-    const auto tangential_x =
-        hn::Add(hn::Mul(set(lens.p1), xy2), hn::Mul(set(lens.p2), hn::Add(r2, hn::Mul(two, xx))));
-    const auto tangential_y =
-        hn::Add(hn::Mul(set(lens.p1), hn::Add(r2, hn::Mul(two, yy))), hn::Mul(set(lens.p2), xy2));
-    const auto u_raw =
-        hn::Add(hn::Mul(set(lens.fx), hn::Add(hn::Mul(x, radial), tangential_x)), set(lens.cx));
-    const auto v_raw =
-        hn::Add(hn::Mul(set(lens.fy), hn::Add(hn::Mul(y, radial), tangential_y)), set(lens.cy));
-
-    const auto zero = hn::Zero(f), lowest = hn::Neg(half_step);
-    const auto right = hn::Add(set(static_cast<float>(lens.width - 1)), half_step);
-    const auto bottom = hn::Add(set(static_cast<float>(lens.height - 1)), half_step);
-    auto seen = hn::And(hn::Gt(z, zero), hn::Gt(depth, zero));
-    seen = hn::And(seen, hn::Lt(r2, set(lens.turning_radius_squared)));
-    seen = hn::And(seen, hn::And(hn::Gt(u_raw, lowest), hn::Gt(v_raw, lowest)));
-    seen = hn::And(seen, hn::And(hn::Lt(u_raw, right), hn::Lt(v_raw, bottom)));
-    StoreCoordinate(u_raw, seen, lens.width, samples.u + u, samples.right + u);
-    StoreCoordinate(v_raw, seen, lens.height, samples.v + u, samples.down + u);
+    auto u_raw = Set(0.0F), v_raw = u_raw;
+    auto seen = hn::Lt(u_raw, u_raw);
+    if (keys != nullptr) {
+      u_raw = Mix(weights, key_u[0] + u, key_u[1] + u, key_u[2] + u);
+      v_raw = Mix(weights, key_v[0] + u, key_v[1] + u, key_v[2] + u);
+      seen = hn::Eq(u_raw, u_raw);
+    }
+    if (!hn::AllTrue(Floats(), seen)) {
+      const RawVector p = Exact(rays, lens, u);
+      u_raw = hn::IfThenElse(seen, u_raw, p.u);
+      v_raw = hn::IfThenElse(seen, v_raw, p.v);
+      seen = hn::Or(seen, Inside(p, lens, -0.5F / sample_steps, lens.turning_radius_squared));
+    }
+    Split(u_raw, seen, lens.width, samples.u + u, samples.right + u);
+    Split(v_raw, seen, lens.height, samples.v + u, samples.down + u);
   }
 }
 
-/// The pixel pairs (p, its right neighbour) above and below every sample, the right one in the
-/// upper byte.
-HWY_ATTR void GatherPairs(GrayView raw, const Samples::Row& samples, int width,
-                          std::uint16_t* above, std::uint16_t* below) {
-  const auto pair = [](const std::uint8_t* p) {
-    return static_cast<std::uint16_t>(p[0] | (p[1] << 8));
+HWY_ATTR void MapKeyRow(const RayRow& rays, const Lens& lens, KeyRow& key) {
+  const int padded_width = static_cast<int>(key.u.size());
+  const float turning = safe_turning * lens.turning_radius_squared;
+  if (!vectors) {
+    for (std::size_t u = 0; u < key.u.size(); ++u) {
+      const RawPixel p = ExactPixel(rays, lens, static_cast<int>(u));
+      const bool safe = Inside(p, lens, safe_margin, turning);
+      key.u[u] = safe ? p.u : std::numeric_limits<float>::quiet_NaN();
+      key.v[u] = safe ? p.v : std::numeric_limits<float>::quiet_NaN();
+    }
+    return;
+  }
+  const int lanes = static_cast<int>(hn::Lanes(Floats()));
+  const auto none = hn::NaN(Floats());
+  for (int u = 0; u < padded_width; u += lanes) {
+    const RawVector p = Exact(rays, lens, u);
+    const auto safe = Inside(p, lens, safe_margin, turning);
+    hn::StoreU(hn::IfThenElse(safe, p.u, none), Floats(), key.u.data() + u);
+    hn::StoreU(hn::IfThenElse(safe, p.v, none), Floats(), key.v.data() + u);
+  }
+}
+
+/// The pairs (pixel, its right neighbour in the upper byte) above and below a block of samples, one
+/// by one.
+HWY_INLINE void GatherBlock(GrayView raw, const std::int16_t* u, const std::int16_t* v,
+                            std::uint16_t* above, std::uint16_t* below) {
+  const Ints d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const auto stride = hn::Set(d, static_cast<std::int32_t>(raw.stride));
+  HWY_ALIGN std::int32_t offset[Samples::block];
+  for (int i = 0; i < Samples::block; i += lanes) {
+    const auto column = hn::PromoteTo(d, hn::LoadU(Shorts(), u + i));
+    const auto row = hn::PromoteTo(d, hn::LoadU(Shorts(), v + i));
+    hn::Store(hn::Add(hn::Mul(row, stride), column), d, offset + i);
+  }
+  for (int i = 0; i < Samples::block; ++i) {
+    std::memcpy(above + i, raw.data + offset[i], 2);
+    std::memcpy(below + i, raw.data + offset[i] + raw.stride, 2);
+  }
+}
+
+#if HWY_TARGET == HWY_AVX3_DL
+/// Up to 128 bytes from p on, of which `available` may be read; the rest is 0.
+struct Window {
+  __m512i low, high;
+  HWY_ATTR Window(const std::uint8_t* p, int available) {
+    const auto first = [](int n) { return n >= 64 ? ~0ULL : (1ULL << n) - 1; };
+    low = _mm512_maskz_loadu_epi8(first(available), p);
+    high = available <= 64 ? _mm512_setzero_si512()
+                           : _mm512_maskz_loadu_epi8(first(available - 64), p + 64);
+  }
+  [[nodiscard]] HWY_ATTR __m512i at(__m512i index) const {
+    return _mm512_permutex2var_epi8(low, index, high);
+  }
+};
+
+HWY_INLINE void StorePairs(__m512i left, __m512i right, std::uint16_t* pairs) {
+  const auto widen = [](__m512i bytes, bool upper) HWY_ATTR {
+    return _mm512_cvtepu8_epi16(upper ? _mm512_extracti64x4_epi64(bytes, 1)
+                                      : _mm512_castsi512_si256(bytes));
   };
-  for (int i = 0; i < width; ++i) {
-    const std::uint8_t* p = raw.data + samples.v[i] * raw.stride + samples.u[i];
-    above[i] = pair(p);
-    below[i] = pair(p + raw.stride);
+  for (const bool upper : {false, true}) {
+    const __m512i pair =
+        _mm512_or_si512(widen(left, upper), _mm512_slli_epi16(widen(right, upper), 8));
+    _mm512_storeu_si512(pairs + (upper ? 32 : 0), pair);
+  }
+}
+
+/// As GatherBlock(), by permuting whole stretches of the few rows that a block touches; false where
+/// it touches more than that.
+HWY_INLINE bool PermuteBlock(GrayView raw, const std::int16_t* u, const std::int16_t* v,
+                             const std::uint8_t* way, std::uint16_t* above, std::uint16_t* below) {
+  constexpr int most_rows = 12, most_columns = 126;
+  const hn::CappedTag<std::int16_t, 32> d;
+  const __mmask64 seen = _mm512_cmpneq_epi8_mask(_mm512_loadu_si512(way), _mm512_set1_epi8(-1));
+  if (seen == 0) return true;  // nothing will be used
+  const auto low = static_cast<__mmask32>(seen), high = static_cast<__mmask32>(seen >> 32);
+  const auto range = [&](const std::int16_t* p, int& smallest, int& largest) HWY_ATTR {
+    const __m512i a = _mm512_loadu_si512(p), b = _mm512_loadu_si512(p + 32);
+    const __m512i top = _mm512_set1_epi16(32767), bottom = _mm512_set1_epi16(-1);
+    const __m512i least =
+        _mm512_min_epi16(_mm512_mask_mov_epi16(top, low, a), _mm512_mask_mov_epi16(top, high, b));
+    const __m512i most = _mm512_max_epi16(_mm512_mask_mov_epi16(bottom, low, a),
+                                          _mm512_mask_mov_epi16(bottom, high, b));
+    smallest = hn::GetLane(hn::MinOfLanes(d, hn::Vec<decltype(d)>{least}));
+    largest = hn::GetLane(hn::MaxOfLanes(d, hn::Vec<decltype(d)>{most}));
+    const __m512i base = _mm512_set1_epi16(static_cast<short>(smallest));
+    return _mm512_inserti64x4(
+        _mm512_castsi256_si512(_mm512_cvtepi16_epi8(_mm512_sub_epi16(a, base))),
+        _mm512_cvtepi16_epi8(_mm512_sub_epi16(b, base)), 1);
+  };
+  int u0 = 0, u1 = 0, v0 = 0, v1 = 0;
+  const __m512i column = range(u, u0, u1), row = range(v, v0, v1);
+  if (u1 - u0 > most_columns || v1 - v0 > most_rows) return false;
+
+  const __m512i next = _mm512_add_epi8(column, _mm512_set1_epi8(1));
+  __m512i left[2] = {}, right[2] = {};  // above, below
+  for (int r = 0; r <= v1 - v0 + 1; ++r) {
+    const Window window(raw.data + (v0 + r) * raw.stride + u0, raw.width - u0);
+    const __m512i a = window.at(column), b = window.at(next);
+    const __mmask64 top = _mm512_cmpeq_epi8_mask(row, _mm512_set1_epi8(static_cast<char>(r)));
+    const __mmask64 bottom =
+        _mm512_cmpeq_epi8_mask(row, _mm512_set1_epi8(static_cast<char>(r - 1)));
+    left[0] = _mm512_mask_mov_epi8(left[0], top, a);
+    right[0] = _mm512_mask_mov_epi8(right[0], top, b);
+    left[1] = _mm512_mask_mov_epi8(left[1], bottom, a);
+    right[1] = _mm512_mask_mov_epi8(right[1], bottom, b);
+  }
+  StorePairs(left[0], right[0], above);
+  StorePairs(left[1], right[1], below);
+  return true;
+}
+#else
+HWY_INLINE bool PermuteBlock(GrayView, const std::int16_t*, const std::int16_t*,
+                             const std::uint8_t*, std::uint16_t*, std::uint16_t*) {
+  return false;
+}
+#endif
+
+HWY_INLINE void GatherPairs(GrayView raw, const Samples::Row& samples, int width,
+                            std::uint16_t* above, std::uint16_t* below) {
+  for (int i = 0; i < width; i += Samples::block) {
+    if (!PermuteBlock(raw, samples.u + i, samples.v + i, samples.right + i, above + i, below + i))
+      GatherBlock(raw, samples.u + i, samples.v + i, above + i, below + i);
   }
 }
 
@@ -96,7 +330,7 @@ using Halves = hn::ScalableTag<std::int16_t>;
 using HalfBytes = hn::Rebind<std::uint8_t, Halves>;
 
 /// Mean of a pair in 1/128 grey levels: 0 ... 32640.
-HWY_ATTR hn::Vec<Halves> Across(const std::uint16_t* pairs, hn::Vec<Halves> way) {
+HWY_INLINE hn::Vec<Halves> Across(const std::uint16_t* pairs, hn::Vec<Halves> way) {
   const Halves d;
   const hn::RebindToUnsigned<Halves> du;
   const auto pair = hn::LoadU(du, pairs);
@@ -105,8 +339,29 @@ HWY_ATTR hn::Vec<Halves> Across(const std::uint16_t* pairs, hn::Vec<Halves> way)
   return hn::Add(hn::ShiftLeft<7>(left), hn::Mul(hn::Sub(right, left), way));
 }
 
+/// Without vector instructions.
+inline void SamplePixels(GrayView raw, const Samples::Row& samples, int width, Validity validity,
+                         std::uint8_t* out, std::uint8_t* valid) {
+  for (int u = 0; u < width; ++u) {
+    if (samples.right[u] == sample_outside) {
+      out[u] = valid[u] = 0;
+      continue;
+    }
+    const std::uint8_t* p = raw.row(samples.v[u]) + samples.u[u];
+    const int right = samples.right[u], down = samples.down[u];
+    const int top = p[0] * sample_steps + (p[1] - p[0]) * right;
+    p += raw.stride;
+    const int bottom = p[0] * sample_steps + (p[1] - p[0]) * right;
+    const int fraction = (down << 8) - (down >> 7);
+    const int mean = (top >> 1) + (((bottom - top) * fraction) >> 16);
+    out[u] = static_cast<std::uint8_t>((mean + 32) >> 6);
+    if (validity == Validity::Set) valid[u] = 255;
+  }
+}
+
 HWY_ATTR void SampleRow(GrayView raw, const Samples::Row& samples, int width, Validity validity,
                         std::uint16_t* scratch, std::uint8_t* out, std::uint8_t* valid) {
+  if (!vectors) return SamplePixels(raw, samples, width, validity, out, valid);
   const Halves d;
   const HalfBytes bytes;
   const int lanes = static_cast<int>(hn::Lanes(d));
@@ -151,10 +406,16 @@ HWY_AFTER_NAMESPACE();
 namespace ipm_mapping::kernels {
 
 HWY_EXPORT(MapRow);
+HWY_EXPORT(MapKeyRow);
 HWY_EXPORT(SampleRow);
 
-void mapRow(const RayRow& rays, const Lens& lens, const Samples::Row& samples, int padded_width) {
-  HWY_DYNAMIC_DISPATCH(MapRow)(rays, lens, samples, padded_width);
+void mapRow(const RayRow& rays, const KeyRows* keys, const Lens& lens, const Samples::Row& samples,
+            int padded_width) {
+  HWY_DYNAMIC_DISPATCH(MapRow)(rays, keys, lens, samples, padded_width);
+}
+
+void mapKeyRow(const RayRow& rays, const Lens& lens, KeyRow& key) {
+  HWY_DYNAMIC_DISPATCH(MapKeyRow)(rays, lens, key);
 }
 
 void sampleRow(GrayView raw, const Samples::Row& samples, int width, Validity validity,

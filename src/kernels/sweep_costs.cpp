@@ -140,6 +140,14 @@ void evidenceRows(const std::uint16_t* HWY_RESTRICT floor,
   }
 }
 
+void lower(const std::uint16_t* HWY_RESTRICT other, std::int32_t prior, int count,
+           std::uint16_t* HWY_RESTRICT cost) {
+  for (int i = 0; i < count; ++i) {
+    const std::int32_t there = other[i] + prior, here = cost[i];
+    cost[i] = static_cast<std::uint16_t>(here == no_cost ? here : std::min(here, there));
+  }
+}
+
 void floorSquares(const std::int16_t* HWY_RESTRICT residual, const std::int16_t* HWY_RESTRICT mean,
                   const std::uint16_t* HWY_RESTRICT weight, int count,
                   std::uint16_t* HWY_RESTRICT squares) {
@@ -204,6 +212,7 @@ HWY_EXPORT(accumulate);
 HWY_EXPORT(windowed);
 HWY_EXPORT(floorSquares);
 HWY_EXPORT(evidenceRows);
+HWY_EXPORT(lower);
 HWY_EXPORT(vertical);
 
 void splitRows(const std::uint8_t* line, std::int32_t gain, std::int32_t offset, int count,
@@ -248,6 +257,10 @@ void accumulateEvidence(const std::uint16_t* floor, const std::uint16_t* vertica
                         int count, std::int32_t* evidence) {
   HWY_DYNAMIC_DISPATCH(evidenceRows)
   (floor, vertical, weight, floor_cap, prior, count, evidence);
+}
+
+void lowerTo(const std::uint16_t* other, std::int32_t prior, int count, std::uint16_t* cost) {
+  HWY_DYNAMIC_DISPATCH(lower)(other, prior, count, cost);
 }
 
 void accumulateFloorCost(const std::int16_t* residual, const std::int16_t* mean,

@@ -4,7 +4,9 @@
 
 #include "ipm_mapping/detectors/pipeline.hpp"
 #include "ipm_mapping/ros/frame_source.hpp"
+#include "ipm_mapping/ros/live_parameters.hpp"
 #include "ipm_mapping/ros/obstacle_outputs.hpp"
+#include "ipm_mapping/ros/overlay_output.hpp"
 #include "ipm_mapping/ros/parameter_loader.hpp"
 #include "ipm_mapping/ros/stage_nodelet.hpp"
 
@@ -25,6 +27,25 @@ class Detect : public StageNodelet {
             [this](const Frame& frame, const FrameInfo& info) { return process(frame, info); }});
     monitor().setAsleep(true);
     obstacle_outputs_.emplace(node(), outputs_, parameters.output);
+    overlay_ = outputs_.advertiseImage(node(), "overlay");
+    live_.emplace(privateNode(), parameters, liveGroups(),
+                  [this](const Parameters& changed) { change(changed); });
+  }
+
+  /// Everything but what the map and the odometry's gate are made with.
+  static std::vector<std::string> liveGroups() {
+    std::vector<std::string> groups;
+    const Parameters parameters;
+    Parameters::groups(parameters, [&](const std::string& name, const auto&) {
+      if (name != "map" && name != "odometry") groups.push_back(name);
+    });
+    return groups;
+  }
+
+  void change(const Parameters& changed) {
+    detector_ = makeDetector(changed);
+    source_->setParameters(changed.camera);
+    obstacle_outputs_->setParameters(changed.output);
   }
 
   void setAwake(bool awake) {
@@ -34,8 +55,10 @@ class Detect : public StageNodelet {
 
   FrameStatus process(const Frame& frame, const FrameInfo& info) {
     const FrameStatus status = detector_->process(frame, obstacles_);
-    if (status == FrameStatus::Used)
+    if (status == FrameStatus::Used) {
       obstacle_outputs_->publish(obstacles_, info.header.stamp, info.frames, detector_->id());
+      publishOverlay(overlay_, frame.image, obstacles_, info.header);
+    }
     monitor().set("contacts", static_cast<double>(obstacles_.contacts.size()));
     monitor().set("separability", obstacles_.separability);
     return status;
@@ -46,6 +69,8 @@ class Detect : public StageNodelet {
   std::optional<FrameSource> source_;
   LazyOutputs outputs_{[this](bool awake) { setAwake(awake); }};
   std::optional<ObstacleOutputs> obstacle_outputs_;
+  std::optional<LiveParameters> live_;
+  image_transport::Publisher overlay_;
 };
 
 }  // namespace ipm_mapping

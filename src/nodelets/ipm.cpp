@@ -7,6 +7,7 @@
 #include "ipm_mapping/detectors/inverse_perspective_mapping.hpp"
 #include "ipm_mapping/ros/frame_source.hpp"
 #include "ipm_mapping/ros/lazy_outputs.hpp"
+#include "ipm_mapping/ros/live_parameters.hpp"
 #include "ipm_mapping/ros/parameter_loader.hpp"
 #include "ipm_mapping/ros/stage_messages.hpp"
 #include "ipm_mapping/ros/stage_nodelet.hpp"
@@ -27,6 +28,11 @@ class Ipm : public StageNodelet {
             [this] { ipm_->reset(); },
             [this](const Frame& frame, const FrameInfo& info) { return process(frame, info); }});
     monitor().setAsleep(true);
+    live_.emplace(privateNode(), parameters, std::vector<std::string>{"reference", "camera"},
+                  [this](const Parameters& changed) {
+                    ipm_.emplace(changed.reference);
+                    source_->setParameters(changed.camera);
+                  });
     difference_ = outputs_.advertise<DifferenceImage>(node(), "difference");
     rectified_ = outputs_.advertiseImage(node(), "image_rect");
     warped_ = outputs_.advertiseImage(node(), "warped");
@@ -59,6 +65,7 @@ class Ipm : public StageNodelet {
   std::optional<InversePerspectiveMapping> ipm_;
   std::optional<FrameSource> source_;
   LazyOutputs outputs_{[this](bool awake) { setAwake(awake); }};
+  std::optional<LiveParameters> live_;
   ros::Publisher difference_;
   image_transport::Publisher rectified_, warped_;
 };

@@ -5,7 +5,9 @@
 
 #include "ipm_mapping/detectors/localization.hpp"
 #include "ipm_mapping/parameters/node_parameters.hpp"
+#include "ipm_mapping/ros/live_parameters.hpp"
 #include "ipm_mapping/ros/obstacle_outputs.hpp"
+#include "ipm_mapping/ros/overlay_output.hpp"
 #include "ipm_mapping/ros/parameter_loader.hpp"
 #include "ipm_mapping/ros/stage_nodelet.hpp"
 
@@ -20,6 +22,13 @@ class LocalizationNodelet : public StageNodelet {
     monitor().expect(node().resolveName("mask"));
     monitor().setAsleep(true);
     obstacle_outputs_.emplace(node(), outputs_, parameters.output);
+    overlay_ = outputs_.advertiseImage(node(), "overlay");
+    pictures_.emplace(node(), privateNode(), parameters.camera.image_time_offset);
+    live_.emplace(privateNode(), parameters, std::vector<std::string>{"localization", "output"},
+                  [this](const Parameters& changed) {
+                    localization_->setParameters(changed.localization);
+                    obstacle_outputs_->setParameters(changed.output);
+                  });
   }
 
   void setAwake(bool awake) {
@@ -46,11 +55,18 @@ class LocalizationNodelet : public StageNodelet {
     obstacles_.threshold = input.threshold;
     obstacles_.separability = input.separability;
     const FrameStatus status = localization_->process(view_, mask, obstacles_);
-    if (status == FrameStatus::Used)
-      obstacle_outputs_->publish(obstacles_, input.header.stamp,
-                                 {input.view.base_frame, input.view.odom_frame}, "chain");
+    if (status == FrameStatus::Used) publish(input);
     monitor().set("contacts", static_cast<double>(obstacles_.contacts.size()));
     monitor().answered(status, input.header.stamp, "the view of this mask has no usable beam");
+  }
+
+  void publish(const ObstacleMask& input) {
+    obstacle_outputs_->publish(obstacles_, input.header.stamp,
+                               {input.view.base_frame, input.view.odom_frame}, "chain");
+    pictures_->want(overlay_.getNumSubscribers() > 0);
+    GrayPicture picture;
+    if (overlay_.getNumSubscribers() > 0 && pictures_->find(input.header.stamp, picture))
+      publishOverlay(overlay_, picture.view, obstacles_, input.header);
   }
 
   std::optional<Localization> localization_;
@@ -59,6 +75,9 @@ class LocalizationNodelet : public StageNodelet {
   std::uint32_t queue_ = 1;
   LazyOutputs outputs_{[this](bool awake) { setAwake(awake); }};
   std::optional<ObstacleOutputs> obstacle_outputs_;
+  std::optional<CameraPictures> pictures_;
+  std::optional<LiveParameters> live_;
+  image_transport::Publisher overlay_;
   ros::Subscriber mask_;
 };
 

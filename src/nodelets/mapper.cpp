@@ -12,6 +12,7 @@
 #include "ipm_mapping/ros/stage_messages.hpp"
 #include "ipm_mapping/ros/stage_nodelet.hpp"
 #include "ipm_mapping/ros/stamp_order.hpp"
+#include "ipm_mapping/ros/trajectory_output.hpp"
 
 namespace ipm_mapping {
 
@@ -24,12 +25,13 @@ class Mapper : public StageNodelet {
     if (const auto notice = keeper_->loadInitialMap()) monitor().warn(*notice);
     frame_ = parameters_.frame;
     outputs_.emplace(node(), *map_, parameters_);
+    trajectory_.emplace(node());
     outputs_->setHeader(frame_, ros::Time::now());
     outputs_->publishAll();
     save_ = node().advertiseService("save_map", &Mapper::onSave, this);
     reset_ = node().advertiseService("reset_map", &Mapper::onReset, this);
     if (parameters_.publish_rate > 0.0)
-      every(1.0 / parameters_.publish_rate, publisher_, [this] { outputs_->publishChanges(); });
+      every(1.0 / parameters_.publish_rate, publisher_, [this] { publish(); });
     if (parameters_.autosave_period > 0.0)
       every(parameters_.autosave_period, autosaver_, [this] { autosave(); });
     const auto queue = static_cast<std::uint32_t>(loadStruct<StageParameters>(privateNode()).queue);
@@ -60,15 +62,22 @@ class Mapper : public StageNodelet {
     frame_ = input.view.odom_frame;
     map_->update(answer_);
     outputs_->setHeader(frame_, input.header.stamp);
+    trajectory_->add(frame_, input.header.stamp, answer_.view.T_odom_base);
     keeper_->touch();
-    if (parameters_.publish_rate == 0.0) outputs_->publishChanges();
+    if (parameters_.publish_rate == 0.0) publish();
     monitor().set("map_width_m", map_->geometry().width * map_->geometry().resolution);
     monitor().set("map_height_m", map_->geometry().height * map_->geometry().resolution);
     monitor().used(input.header.stamp);
   }
 
+  void publish() {
+    outputs_->publishChanges();
+    trajectory_->publish();
+  }
+
   void onClockJump() {
     monitor().count("resets");
+    trajectory_->clear();
     if (!parameters_.clear_on_clock_jump) return;
     map_->clear();
     monitor().warn("the clock was set back: the map is cleared");
@@ -87,6 +96,7 @@ class Mapper : public StageNodelet {
 
   bool onReset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
     map_->clear();
+    trajectory_->clear();
     outputs_->publishAll();
     response.success = 1;
     response.message = "the map is empty";
@@ -97,6 +107,7 @@ class Mapper : public StageNodelet {
   std::optional<OccupancyMap> map_;
   std::optional<MapKeeper> keeper_;
   std::optional<MapOutputs> outputs_;
+  std::optional<TrajectoryOutput> trajectory_;
   Obstacles answer_;
   StampOrder order_;
   std::string frame_;

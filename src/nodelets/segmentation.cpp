@@ -8,6 +8,7 @@
 #include "ipm_mapping/detectors/segmentation.hpp"
 #include "ipm_mapping/parameters/node_parameters.hpp"
 #include "ipm_mapping/ros/lazy_outputs.hpp"
+#include "ipm_mapping/ros/live_parameters.hpp"
 #include "ipm_mapping/ros/parameter_loader.hpp"
 #include "ipm_mapping/ros/stage_messages.hpp"
 #include "ipm_mapping/ros/stage_nodelet.hpp"
@@ -18,7 +19,11 @@ namespace ipm_mapping {
 /// Difference image in, obstacle mask out (the source, §3.4).
 class SegmentationNodelet : public StageNodelet {
   void start() override {
-    segmentation_.emplace(loadParameters(privateNode()).segmentation);
+    const Parameters parameters = loadParameters(privateNode());
+    segmentation_.emplace(parameters.segmentation);
+    live_.emplace(
+        privateNode(), parameters, std::vector<std::string>{"segmentation"},
+        [this](const Parameters& changed) { segmentation_->setParameters(changed.segmentation); });
     queue_ = static_cast<std::uint32_t>(loadStruct<StageParameters>(privateNode()).queue);
     monitor().expect(node().resolveName("difference"));
     monitor().setAsleep(true);
@@ -72,6 +77,7 @@ class SegmentationNodelet : public StageNodelet {
   StampOrder order_;
   std::uint32_t queue_ = 1;
   LazyOutputs outputs_{[this](bool awake) { setAwake(awake); }};
+  std::optional<LiveParameters> live_;
   ros::Publisher mask_;
   image_transport::Publisher blurred_;
   ros::Subscriber difference_;

@@ -17,8 +17,13 @@ constexpr double pose_tolerance = 1e-4;
 CameraSource::CameraSource(ros::NodeHandle& node, const tf2::BufferCore& tf,
                            const CameraParameters& parameters, StageMonitor& monitor)
     : tf_(tf), parameters_(parameters), monitor_(monitor) {
-  if (!parameters_.pose_from_tf) takeStatedPose("", "");
   subscriber_ = node.subscribe("camera_info", 10, &CameraSource::onInfo, this);
+}
+
+void CameraSource::setParameters(const CameraParameters& parameters) {
+  if (!parameters.pose_from_tf || pose_origin_ == Origin::SecondChoice) pose_origin_ = Origin::None;
+  file_refused_ = false;
+  parameters_ = parameters;
 }
 
 void CameraSource::onInfo(const sensor_msgs::CameraInfoConstPtr& info) {
@@ -60,9 +65,9 @@ void CameraSource::takePose(const CameraPose& T_base_camera, const std::string& 
   }
   const bool first = pose_origin_ == Origin::None;
   pose_origin_ = origin;
-  if (!first &&
-      (T_base_camera.matrix() - T_base_camera_.matrix()).cwiseAbs().maxCoeff() < pose_tolerance)
-    return;
+  const auto change = (T_base_camera.matrix() - T_base_camera_.matrix()).cwiseAbs().maxCoeff();
+  if (had_pose_ && change < pose_tolerance) return;
+  had_pose_ = true;
   if (!first) monitor_.warn("camera pose changed, history starts anew");
   T_base_camera_ = T_base_camera;
   ++revision_;
@@ -95,7 +100,8 @@ bool CameraSource::update(const std::string& optical_frame, const std::string& b
                           bool patient) {
   complaint_.clear();
   const bool from_tf = parameters_.pose_from_tf && takeTransform(optical_frame, base_frame);
-  if (!from_tf && pose_origin_ == Origin::None && complaint_.empty() && !patient)
+  if (!from_tf && pose_origin_ == Origin::None && complaint_.empty() &&
+      !(patient && parameters_.pose_from_tf))
     takeStatedPose(optical_frame, base_frame);
   if (model_origin_ == Origin::None && !patient && !takeCalibrationFile())
     complaint_ = !info_refusal_.empty() ? info_refusal_

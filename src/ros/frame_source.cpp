@@ -49,6 +49,12 @@ FrameSource::FrameSource(ros::NodeHandle& node, ros::NodeHandle& private_node,
   monitor_.expect(images_.topic());
 }
 
+void FrameSource::setParameters(const CameraParameters& parameters) {
+  camera_parameters_ = parameters;
+  camera_.setParameters(parameters);
+  camera_revision_ = -1;
+}
+
 void FrameSource::start() {
   gate_ = Gate(odometry_parameters_, static_cast<std::size_t>(source_parameters_.waiting_frames));
   reported_drops_.fill(0);

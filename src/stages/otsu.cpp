@@ -1,25 +1,44 @@
 #include "ipm_mapping/stages/otsu.hpp"
 
+#include <cstring>
+
+#include "ipm_mapping/kernels/chain_segment.hpp"
+
 namespace ipm_mapping {
 namespace {
 
-// Neighbouring pixels are often equal: four tables keep an increment from waiting for the one
+// Neighbouring pixels are often equal: eight tables keep an increment from waiting for the one
 // before it.
-using Tables = std::array<Histogram, 4>;
+constexpr int tables = 8;
+using Tables = std::array<Histogram, tables>;
 
-void addRow(const std::uint8_t* image, const std::uint8_t* valid, int width, Tables& tables) {
-  for (int u = 0; u < width; ++u)
-    tables[static_cast<std::size_t>(u) & 3U][image[u]] += valid[u] != 0 ? 1U : 0U;
+void addRow(const std::uint8_t* image, int width, Tables& counts) {
+  int u = 0;
+  for (; u + tables <= width; u += tables) {
+    std::uint64_t pixels = 0;
+    std::memcpy(&pixels, image + u, sizeof pixels);
+    for (Histogram& table : counts) {
+      ++table[pixels & 0xFF];
+      pixels >>= 8;
+    }
+  }
+  for (; u < width; ++u) ++counts[0][image[u]];
 }
 
 }  // namespace
 
 Histogram histogramOf(GrayView image, GrayView valid) {
-  Tables tables{};
-  for (int v = 0; v < image.height; ++v) addRow(image.row(v), valid.row(v), image.width, tables);
+  Tables counts{};
+  std::uint32_t invalid = 0;
+  for (int v = 0; v < image.height; ++v) {
+    addRow(image.row(v), image.width, counts);
+    invalid +=
+        static_cast<std::uint32_t>(image.width - kernels::countNonZero(valid.row(v), image.width));
+  }
   Histogram sum{};
-  for (std::size_t k = 0; k < sum.size(); ++k)
-    sum[k] = tables[0][k] + tables[1][k] + tables[2][k] + tables[3][k];
+  for (const Histogram& table : counts)
+    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += table[k];
+  sum[0] -= invalid;
   return sum;
 }
 
@@ -52,13 +71,8 @@ std::optional<Otsu> otsu(const Histogram& histogram) {
 }
 
 void binarize(GrayView image, GrayView valid, int threshold, GrayBuffer binary) {
-  for (int v = 0; v < image.height; ++v) {
-    const std::uint8_t* in = image.row(v);
-    const std::uint8_t* seen = valid.row(v);
-    std::uint8_t* out = binary.row(v);
-    for (int u = 0; u < image.width; ++u)
-      out[u] = static_cast<std::uint8_t>(in[u] > threshold && seen[u] ? 255 : 0);
-  }
+  for (int v = 0; v < image.height; ++v)
+    kernels::binarizeRow(image.row(v), valid.row(v), threshold, image.width, binary.row(v));
 }
 
 }  // namespace ipm_mapping

@@ -76,7 +76,7 @@ bool PolarBeam::aimFullView(const Focus& focus) {
     const double slope = d.x() / d.y();
     std::int16_t* column = writableColumns(i);
     for (int v = 0; v < end; ++v) {
-      const double u = std::floor(start + slope * v + 0.5);
+      const double u = start + slope * v + 0.5;  // the pixel is its integer part
       if (u >= 0.0 && u < width_) column[v] = static_cast<std::int16_t>(u);
     }
   }

@@ -37,6 +37,16 @@ class Rays {
   Eigen::RowVector3d inverse_depth_;
 };
 
+// Rows between the first and the last of three exact rows of the map. A parabola through them is
+// off by less than 0.01 px with the widest lens and the nearest floor of the tests.
+constexpr int span = 8;
+
+/// Lagrange's weights of the rows 0, span / 2 and span for the row `v`.
+std::array<float, 3> weightsOf(int v) {
+  const float t = 2.0F * static_cast<float>(v) / span;
+  return {0.5F * (t - 1.0F) * (t - 2.0F), t * (2.0F - t), 0.5F * t * (t - 1.0F)};
+}
+
 void clear(GrayBuffer picture, GrayBuffer valid) {
   for (int v = 0; v < picture.height; ++v) {
     std::fill_n(picture.row(v), picture.width, std::uint8_t{0});
@@ -50,6 +60,10 @@ UndistortWarp::UndistortWarp(const CameraModel& camera) : camera_(camera), lens_
   const int W = camera.width(), H = camera.height();
   fixed_.resize(W, H);
   row_.resize(W, 1);
+  for (kernels::KeyRow& key : keys_) {
+    key.u.resize(static_cast<std::size_t>(row_.paddedWidth()));
+    key.v.resize(static_cast<std::size_t>(row_.paddedWidth()));
+  }
   scratch_.resize(2 * static_cast<std::size_t>(row_.paddedWidth()));
   if (W < 2 || H < 2) return;
   for (int v = 0; v < H; ++v) {
@@ -70,12 +84,20 @@ void UndistortWarp::undistort(GrayView raw, GrayBuffer undistorted, GrayBuffer v
 
 void UndistortWarp::warp(GrayView raw_reference, const GroundView& view, GrayBuffer warped,
                          GrayBuffer valid) {
-  if (raw_reference.width < 2 || raw_reference.height < 2) return clear(warped, valid);
+  const int H = raw_reference.height;
+  if (raw_reference.width < 2 || H < 2) return clear(warped, valid);
   const Rays rays(view);
-  for (int v = 0; v < raw_reference.height; ++v) {
-    kernels::mapRow(rays.row(v), lens_, row_.row(0), row_.paddedWidth());
-    kernels::sampleRow(raw_reference, row_.row(0), raw_reference.width, kernels::Validity::And,
-                       scratch_.data(), warped.row(v), valid.row(v));
+  for (int first = 0; first < H; first += span) {
+    // The last span ends with the picture, over rows that are done already.
+    const int base = std::max(std::min(first, H - 1 - span), 0);
+    for (int k = 0; k < 3; ++k)
+      kernels::mapKeyRow(rays.row(base + k * span / 2), lens_, keys_[static_cast<std::size_t>(k)]);
+    for (int v = first; v < std::min(first + span, H); ++v) {
+      const kernels::KeyRows keys{{&keys_[0], &keys_[1], &keys_[2]}, weightsOf(v - base)};
+      kernels::mapRow(rays.row(v), &keys, lens_, row_.row(0), row_.paddedWidth());
+      kernels::sampleRow(raw_reference, row_.row(0), raw_reference.width, kernels::Validity::And,
+                         scratch_.data(), warped.row(v), valid.row(v));
+    }
   }
 }
 

@@ -19,8 +19,12 @@ void BearingSelection::configure(const VerticalSweep& sweep, double height,
   candidates_ = sweep.candidates();
   first_row_ = static_cast<int>(sweep.sweepRow(0));
   distance_.clear();
+  least_score_.clear();
   for (int c = 0; c < candidates_; ++c)
     distance_.push_back(static_cast<float>(sweep.distance(c) / height));
+  for (int c = 0; c < candidates_; ++c)
+    least_score_.push_back(static_cast<float>(
+        std::max(parameters.publish_score, parameters.publish_slope * sweep.r(c))));
   prepared_.resize(candidates_, beams_);
   came_from_.resize(candidates_ + 1, beams_);
   const auto n = static_cast<std::size_t>(candidates_);
@@ -125,7 +129,7 @@ BeamChoice BearingSelection::ownMaximum(const SweepScores& scores, int beam, int
   const int best = static_cast<int>(std::max_element(s + from, s + to + 1) - s);
   BeamChoice choice;
   choice.score = s[best];
-  if (!(choice.score >= static_cast<float>(parameters_.publish_score))) return choice;
+  if (!(choice.score >= least_score_[static_cast<std::size_t>(best)])) return choice;
   choice.candidate = static_cast<float>(best);
   choice.top = scores.top.at(best, beam);
   if (best == 0 || best == candidates_ - 1) return choice;

@@ -126,9 +126,9 @@ void MotionRefinement::linearize(const RectifiedFrame& current, const RectifiedF
 void MotionRefinement::warp(const RectifiedFrame& reference, const Eigen::Vector3d& correction) {
   const Eigen::Vector3f c = correction.cast<float>();
   for (Sample& s : samples_) {
-    const Patch patch = patchAt(
-        reference.image, s.row + s.d_row[0] * c[0] + s.d_row[1] * c[1] + s.d_row[2] * c[2],
-        s.line + s.d_line[0] * c[0] + s.d_line[1] * c[1] + s.d_line[2] * c[2]);
+    const Patch patch =
+        patchAt(reference.image, s.row + s.d_row[0] * c[0] + s.d_row[1] * c[1] + s.d_row[2] * c[2],
+                s.line + s.d_line[0] * c[0] + s.d_line[1] * c[1] + s.d_line[2] * c[2]);
     s.warped = patch.value;
     for (int k = 0; k < 3; ++k)
       s.gradient[k] = patch.by_row * s.d_row[k] + patch.by_line * s.d_line[k];
@@ -240,7 +240,8 @@ RefinedMotion MotionRefinement::refine(const RectifiedFrame& current,
       continue;
     }
     warp(reference, correction);
-    if (anneal_ < least_spread * 4 && (correction - before).cwiseAbs().maxCoeff() < converged) break;
+    if (anneal_ < least_spread * 4 && (correction - before).cwiseAbs().maxCoeff() < converged)
+      break;
   }
   fitBrightness(state);
   return state;

@@ -33,6 +33,7 @@ void SweepDetector::setCamera(const CameraModel& camera, const CameraPose& T_bas
   noise_.configure(grid_, rows, parameters_.noise);
   lattice_.configure(grid_, rows);
   refinement_.configure(grid_, rows, foot, parameters_.refinement);
+  specular_.configure(grid_, rows, parameters_.evidence);
   floor_cost_.configure(grid_, rows, parameters_.evidence);
   sweep_.configure(grid_, rows, noise_.sweepRows(), parameters_.grid.max_support,
                    parameters_.evidence);
@@ -118,13 +119,14 @@ FrameStatus SweepDetector::findReferences(const Frame& frame) {
 void SweepDetector::maskFloor() {
   refinement_.forgetFloor();
   for (int line = 0; line < grid_.lines; ++line) {
-    const int beam = std::clamp((line - kernels::beam_lines / 2) / parameters_.evidence.beam_step, 0,
-                                sweep_.beams() - 1);
+    const int beam = std::clamp((line - kernels::beam_lines / 2) / parameters_.evidence.beam_step,
+                                0, sweep_.beams() - 1);
     double nearest = 0.0;
     for (int b = std::max(0, beam - 1); b <= std::min(sweep_.beams() - 1, beam + 1); ++b) {
       const BeamChoice& choice = choices_[static_cast<std::size_t>(b)];
       if (choice.any())
-        nearest = std::max(nearest, sweep_.sweepRow(choice.candidate) * PolarGrid::rows_per_sweep_row);
+        nearest =
+            std::max(nearest, sweep_.sweepRow(choice.candidate) * PolarGrid::rows_per_sweep_row);
     }
     if (nearest > 0.0)
       refinement_.setFloorBegin(line, static_cast<int>(nearest + 0.03 * grid_.rows_per_log));
@@ -163,6 +165,9 @@ void SweepDetector::compareWithReferences() {
                          planes.floor_cost.view());
     splitReference(*references_[q], motions_[q].photometric, planes);
     views_[q] = {planes.even.view(), planes.odd.view(), planes.floor_cost.view(), motion};
+    if (parameters_.evidence.specular_prior < 9.0)
+      specular_.apply({current_grey_.view(), weight_.view(), &noise_.sweepRows()}, sweep_,
+                      views_[q], motions_[q].motion.theta, planes.floor_cost.view());
   }
   lap("floor_cost");
 }

@@ -14,13 +14,6 @@ constexpr double half_beam = 0.5 * (kernels::beam_lines - 1);
 constexpr double fraction_unit = 32767.0;  // 1/2^15 as a signed number
 constexpr double weight_unit = 256.0;
 
-RowRange commonRows(const std::vector<RowRange>& rows, int first, int lines) {
-  RowRange common = rows[static_cast<std::size_t>(first)];
-  for (int k = 1; k < lines; ++k)
-    common = intersection(common, rows[static_cast<std::size_t>(first + k)]);
-  return common;
-}
-
 }  // namespace
 
 double VerticalSweep::azimuth(int beam) const { return grid_.azimuth(firstLine(beam) + half_beam); }
@@ -43,12 +36,11 @@ void VerticalSweep::configure(const PolarGrid& grid, const std::vector<RowRange>
   beams_ = std::max(0, (grid.lines - kernels::beam_lines - 1) / beam_step_);
   floor_cap_ = static_cast<std::int32_t>(std::lround(p.floor_cap * kernels::cost_unit));
   prior_ = static_cast<std::int32_t>(std::lround(p.vertical_prior * kernels::cost_unit));
+  const std::vector<RowRange> beams = commonRows(current_rows, kernels::beam_lines);
   beam_rows_.clear();
   for (int beam = 0; beam < beams_; ++beam)
-    beam_rows_.push_back(commonRows(current_rows, firstLine(beam), kernels::beam_lines));
-  reference_rows_.clear();
-  for (int line = 0; line + kernels::beam_lines < grid.lines; ++line)
-    reference_rows_.push_back(commonRows(reference_rows, line, kernels::beam_lines + 1));
+    beam_rows_.push_back(beams[static_cast<std::size_t>(firstLine(beam))]);
+  reference_rows_ = commonRows(reference_rows, kernels::beam_lines + 1);
   row_weight_.clear();
   for (int j = 0; j < grid.sweepRows(); ++j)
     row_weight_.push_back(static_cast<std::int32_t>(

@@ -142,7 +142,9 @@ TEST(FrameGate, APoseJumpForgetsHistoryAndTheFramesBeforeIt) {
   drive(gate, 10.0, 10.2);
   gate.addFrame(10.21, 0);
   OdometryVerdict verdict{};
-  EXPECT_TRUE(gate.addOdometry(10.22, {500.0, 0.0, 0.0}, &verdict));
+  EXPECT_FALSE(gate.addOdometry(10.22, {500.0, 0.0, 0.0}, &verdict));
+  EXPECT_EQ(verdict, OdometryVerdict::Outlier);
+  EXPECT_TRUE(gate.addOdometry(10.23, {500.0, 0.0, 0.0}, &verdict));
   EXPECT_EQ(verdict, OdometryVerdict::PoseJump);
   EXPECT_TRUE(takeAll(gate).empty());
   EXPECT_EQ(gate.dropped(GateDrop::TooOld), 1U) << "between two places no pose is known";

@@ -83,24 +83,57 @@ TEST(OdometryBuffer, AClockSetBackStartsAnew) {
   EXPECT_EQ(buffer.add(50.02, {3.01, 0, 0}), Verdict::Accepted);
 }
 
-TEST(OdometryBuffer, APoseFasterThanTheGateStartsAnew) {
+TEST(OdometryBuffer, APoseFasterThanTheGateIsDropped) {
   OdometryParameters parameters;
   parameters.max_speed = 2.0;
   parameters.max_turn_rate = 1.0;
   for (const auto& [pose, verdict] :
        {std::pair{SE2{0.19, 0.0, 0.0}, Verdict::Accepted},
-        std::pair{SE2{0.21, 0.0, 0.0}, Verdict::PoseJump},
-        std::pair{SE2{0.0, -0.21, 0.0}, Verdict::PoseJump},
+        std::pair{SE2{0.21, 0.0, 0.0}, Verdict::Outlier},
+        std::pair{SE2{0.0, -0.21, 0.0}, Verdict::Outlier},
         std::pair{SE2{0.0, 0.0, 0.09}, Verdict::Accepted},
-        std::pair{SE2{0.0, 0.0, -0.11}, Verdict::PoseJump},
+        std::pair{SE2{0.0, 0.0, -0.11}, Verdict::Outlier},
         std::pair{SE2{0.0, 0.0, 2.0 * M_PI - 0.05}, Verdict::Accepted}}) {
     OdometryBuffer buffer(parameters);
     buffer.add(10.0, {});
     EXPECT_EQ(buffer.add(10.1, pose), verdict);
     SE2 unused;
     EXPECT_EQ(buffer.at(10.05, unused),
-              verdict == Verdict::Accepted ? PoseAnswer::Known : PoseAnswer::TooOld);
+              verdict == Verdict::Accepted ? PoseAnswer::Known : PoseAnswer::NotYet);
   }
+}
+
+TEST(OdometryBuffer, AStepThatTheMotionSoFarDoesNotLeadToIsDropped) {
+  // 0.5 m/s at 50 Hz: 16 cm aside within 20 ms would be slow enough for the speed gate.
+  for (const auto& [aside, verdict] :
+       {std::pair{0.16, Verdict::Outlier}, std::pair{0.14, Verdict::Accepted}}) {
+    OdometryBuffer buffer = driving();
+    EXPECT_EQ(buffer.add(101.02, {0.51, aside, 0}), verdict);
+  }
+  OdometryBuffer buffer = driving();
+  EXPECT_EQ(buffer.add(101.02, {0.51, 0, 0.31}), Verdict::Outlier);
+}
+
+TEST(OdometryBuffer, AGlitchLeavesTheTrackAsItWas) {
+  OdometryBuffer buffer = driving();
+  EXPECT_EQ(buffer.add(101.02, {9.0, 0, 0}), Verdict::Outlier);
+  EXPECT_EQ(buffer.add(101.04, {0.52, 0, 0}), Verdict::Accepted);
+  SE2 pose;
+  ASSERT_EQ(buffer.at(101.02, pose), PoseAnswer::Known);
+  EXPECT_NEAR(pose.x, 0.51, 1e-12) << "interpolated past the glitch";
+  EXPECT_EQ(buffer.at(100.5, pose), PoseAnswer::Known) << "history is still there";
+}
+
+TEST(OdometryBuffer, TwoMessagesThatAgreeOnAJumpStartAnewFromBoth) {
+  OdometryBuffer buffer = driving();
+  EXPECT_EQ(buffer.add(101.02, {9.0, 0, 0}), Verdict::Outlier);
+  EXPECT_EQ(buffer.add(101.04, {-9.0, 0, 0}), Verdict::Outlier) << "two glitches do not agree";
+  EXPECT_EQ(buffer.add(101.06, {-8.99, 0, 0}), Verdict::PoseJump);
+  SE2 pose;
+  EXPECT_EQ(buffer.at(100.5, pose), PoseAnswer::TooOld) << "what was before is gone";
+  ASSERT_EQ(buffer.at(101.05, pose), PoseAnswer::Known);
+  EXPECT_NEAR(pose.x, -8.995, 1e-12);
+  EXPECT_EQ(buffer.add(101.08, {-8.98, 0, 0}), Verdict::Accepted);
 }
 
 TEST(OdometryBuffer, NoiseOfMessagesThatNearlyCoincideIsNoJump) {
@@ -124,12 +157,13 @@ TEST(OdometryBuffer, ForgetsWhatIsOlderThanItsLength) {
 
 TEST(OdometryBuffer, VerdictsHaveNamesOfTheirOwn) {
   std::set<std::string> names;
-  for (const Verdict verdict : {Verdict::Accepted, Verdict::NotFinite, Verdict::Duplicate,
-                                Verdict::OutOfOrder, Verdict::TimeJump, Verdict::PoseJump}) {
+  for (const Verdict verdict :
+       {Verdict::Accepted, Verdict::NotFinite, Verdict::Duplicate, Verdict::OutOfOrder,
+        Verdict::TimeJump, Verdict::Outlier, Verdict::PoseJump}) {
     names.insert(name(verdict));
     EXPECT_EQ(startsAnew(verdict), verdict == Verdict::TimeJump || verdict == Verdict::PoseJump);
   }
-  EXPECT_EQ(names.size(), 6U);
+  EXPECT_EQ(names.size(), 7U);
 }
 
 }  // namespace

@@ -32,9 +32,11 @@ class SyntheticRobot {
   /// Straight on for a while, then a gentle curve.
   [[nodiscard]] static SE2 pose(double t) {
     const double curve = std::max(0.0, t - 0.8);
-    return {0.5 * t, 0.05 * curve * curve, 0.2 * curve};
+    return {0.53 * t, 0.05 * curve * curve, 0.2 * curve};
   }
-  [[nodiscard]] double duration() const { return frames * frame_period; }
+  /// Times of the frames and of the odometry: five messages a frame, the first at its stamp.
+  [[nodiscard]] static double frameTime(int i) { return odometryTime(5 * i); }
+  [[nodiscard]] static double odometryTime(int k) { return k * odometry_period; }
 
   [[nodiscard]] static sensor_msgs::CameraInfo cameraInfo(double stamp) {
     sensor_msgs::CameraInfo info;

@@ -12,11 +12,12 @@ namespace {
 
 TEST(Erosion, EqualsOpenCvWithABackgroundBorderAtEverySize) {
   std::mt19937 random(9);
+  Erosion erosion;
   for (const cv::Size size : awkwardSizes()) {
     for (const double density : {0.0, 0.7, 0.95, 1.0}) {
       Picture binary = speckle(size.width, size.height, random, density);
       Picture eroded(size.width, size.height, 3), expected(size.width, size.height);
-      erode(binary.view(), eroded.view());
+      erosion(binary.view(), eroded.view());
       cv::erode(binary.mat().clone(), expected.mat(), cv::Mat::ones(3, 3, CV_8U), {-1, -1}, 1,
                 cv::BORDER_CONSTANT, cv::Scalar(0));
       EXPECT_TRUE(equal(eroded, expected)) << size << " density " << density;

@@ -2,6 +2,7 @@
 
 #include "ipm_mapping/image_view.hpp"
 #include "ipm_mapping/parameters/chain_parameters.hpp"
+#include "ipm_mapping/stages/erosion.hpp"
 #include "ipm_mapping/stages/gaussian.hpp"
 #include "ipm_mapping/stages/obstacle_mask.hpp"
 #include "ipm_mapping/stages/otsu.hpp"
@@ -29,6 +30,7 @@ class Segmentation {
  private:
   SegmentationParameters parameters_;
   Gaussian gaussian_;
+  Erosion erosion_;
   Image<std::uint8_t> blurred_, blurred_valid_, binary_, eroded_;
   int threshold_ = 255;
   bool has_threshold_ = false;

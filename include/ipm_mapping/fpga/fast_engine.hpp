@@ -43,7 +43,8 @@ class LensMap {
   CoordinateRow row_;
 };
 
-/// Histogram of 8-bit rows in several tables, so that equal neighbours do not wait for each other.
+/// Histogram of 8-bit rows, counted in pairs of neighbours: half the updates, and equal pixels
+/// seldom wait for each other.
 class RowHistogram {
  public:
   void clear();
@@ -52,8 +53,8 @@ class RowHistogram {
   void collect(GreyHistogram& bins) const;
 
  private:
-  static constexpr std::size_t table_count = 8;
-  std::array<std::array<std::uint32_t, 256>, table_count> tables_;
+  std::array<std::uint32_t, 65536> pairs_;
+  GreyHistogram singles_;
 };
 
 class FastEngine {

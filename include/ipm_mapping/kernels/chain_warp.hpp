@@ -3,6 +3,7 @@
 // the same bits: the order of the floating-point operations is fixed, everything after it is
 // integer arithmetic.
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -59,10 +60,25 @@ struct RayRow {
   float dx, dy, dz, d_inverse_depth;
 };
 
+/// Exact raw coordinates of every pixel of one row; NaN near or beyond what makes a pixel invalid
+/// (a pixel from the picture's border, the turning radius, the horizon).
+struct KeyRow {
+  std::vector<float> u, v;
+};
+void mapKeyRow(const RayRow& rays, const Lens& lens, KeyRow& key);
+
+/// Three key rows and their weights for a row between them.
+struct KeyRows {
+  std::array<const KeyRow*, 3> rows;
+  std::array<float, 3> weights;
+};
+
 /// Fills a row with the raw pixels that its rays meet through the lens: outside the picture where z
 /// or the inverse depth is not positive, beyond the turning radius, or more than half a step
-/// outside the picture.
-void mapRow(const RayRow& rays, const Lens& lens, const Samples::Row& samples, int padded_width);
+/// outside the picture. Interpolates where all three key rows have coordinates; exact elsewhere,
+/// and everywhere without key rows.
+void mapRow(const RayRow& rays, const KeyRows* keys, const Lens& lens, const Samples::Row& samples,
+            int padded_width);
 
 /// What sampling a row does to the pixels' validity.
 enum class Validity : std::uint8_t {

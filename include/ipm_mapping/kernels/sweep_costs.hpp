@@ -84,6 +84,9 @@ struct VerticalPath {
 /// cost[i] = sum over the eight lines of t^2 for sweep rows i < count.
 void verticalCost(const VerticalPath& path, int count, std::uint16_t* cost);
 
+/// cost[i] = min(cost[i], other[i] + prior) where cost[i] is not no_cost.
+void lowerTo(const std::uint16_t* other, std::int32_t prior, int count, std::uint16_t* cost);
+
 /// evidence[i] += ((min(floor[i], floor_cap) - vertical[i] - prior) * weight[i]) >> 8 where
 /// floor[i] is not no_cost: how much better a vertical line explains row i than the floor does.
 void accumulateEvidence(const std::uint16_t* floor, const std::uint16_t* vertical,

@@ -89,7 +89,8 @@ struct MotionRefinementParameters {
     field("line_step", self.line_step, Unit{"lines"}, Range{1, 64}, "every how many lines");
     field("iterations", self.iterations, Unit{""}, Range{1, 50}, "at most so many steps");
     field("first_spread", self.first_spread, Unit{"grey levels"}, Range{1.0, 255.0},
-          "spread that the first step allows for, halved at every step: edges that do not overlap yet");
+          "spread that the first step allows for, halved at every step: edges that do not overlap "
+          "yet");
     field("sd_forward", self.sd_forward, Unit{"m/m"}, Range{1e-6, 1.0},
           "expected odometry error along x per metre");
     field("sd_sideways", self.sd_sideways, Unit{"m/m"}, Range{1e-6, 1.0}, "the same along y");
@@ -148,6 +149,7 @@ struct NoiseParameters {
 struct EvidenceParameters {
   double floor_cap = 2.5;
   double vertical_prior = 0.05;
+  double specular_prior = 0.2;
   double drift_width = 0.085;
   double drift_length = 0.10;
   double evidence_rows = 360.0;
@@ -159,6 +161,10 @@ struct EvidenceParameters {
           "the floor never costs more: 'neither floor nor vertical' is an allowed answer");
     field("vertical_prior", self.vertical_prior, Unit{"sigma^2"}, Range{0.0, 2.0},
           "a vertical line costs this much more a row");
+    field(
+        "specular_prior", self.specular_prior, Unit{"sigma^2"}, Range{0.0, 9.0},
+        "a highlight that stays where it is in the view costs this much more a row than floor; 9: "
+        "not considered");
     field(
         "drift_width", self.drift_width, Unit{"rad"}, Range{0.01, 1.0},
         "width of the neighbourhood whose mean difference a drifting highlight or shadow explains");
@@ -174,6 +180,7 @@ struct EvidenceParameters {
 struct SelectionParameters {
   double nearer_score = 15.0;
   double publish_score = 8.0;
+  double publish_slope = 20.0;
   double step_cost = 0.5;
   double jump_cost = 20.0;
   double nothing_cost = 12.0;
@@ -192,6 +199,8 @@ struct SelectionParameters {
           "a nearer candidate with this score hides what stands behind it");
     field("publish_score", self.publish_score, Unit{""}, Range{0.0, 1000.0},
           "a beam's own score for a contact to be published");
+    field("publish_slope", self.publish_slope, Unit{""}, Range{0.0, 1000.0},
+          "the same per unit of r, where that is more: near the camera a centimetre is many rows");
     field("step_cost", self.step_cost, Unit{""}, Range{0.0, 100.0},
           "cost of one candidate step between neighbouring beams");
     field("jump_cost", self.jump_cost, Unit{""}, Range{0.0, 1000.0},

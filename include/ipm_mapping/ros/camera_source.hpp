@@ -21,6 +21,8 @@ class CameraSource {
   CameraSource(ros::NodeHandle& node, const tf2::BufferCore& tf, const CameraParameters& parameters,
                StageMonitor& monitor);
 
+  /// A stated pose that is in force changes with the next update().
+  void setParameters(const CameraParameters& parameters);
   /// Brings calibration and pose up to date for pictures of `optical_frame`; `patient`: a first
   /// choice that is missing may still come. True when both are known.
   bool update(const std::string& optical_frame, const std::string& base_frame, bool patient);
@@ -47,7 +49,7 @@ class CameraSource {
   StageMonitor& monitor_;
   ros::Subscriber subscriber_;
   Origin model_origin_ = Origin::None, pose_origin_ = Origin::None;
-  bool file_refused_ = false;
+  bool file_refused_ = false, had_pose_ = false;
   std::string info_refusal_;
   CameraModel model_;
   CameraPose T_base_camera_ = CameraPose::Identity();

@@ -41,6 +41,8 @@ class FrameSource {
   FrameSource(ros::NodeHandle& node, ros::NodeHandle& private_node, const Parameters& parameters,
               StageMonitor& monitor, Handlers handlers);
 
+  /// Applies from the next frame on; the camera is handed over anew.
+  void setParameters(const CameraParameters& parameters);
   /// Subscribes, with an empty history.
   void start();
   void stop();

@@ -10,7 +10,8 @@ namespace ipm_mapping {
 
 using Histogram = std::array<std::uint32_t, 256>;
 
-/// Grey levels of the pixels whose valid is not 0.
+/// Grey levels of the pixels whose valid is not 0. Invalid pixels have to be 0 in `image`, as the
+/// Gaussian leaves them.
 [[nodiscard]] Histogram histogramOf(GrayView image, GrayView valid);
 
 /// Otsu's threshold (the source, §3.4.2).
@@ -23,7 +24,7 @@ struct Otsu {
 /// skipped. Nothing where no k leaves two classes.
 [[nodiscard]] std::optional<Otsu> otsu(const Histogram& histogram);
 
-/// 255 where grey > threshold and valid, else 0.
+/// 255 where grey > threshold (0 ... 255) and valid, else 0.
 void binarize(GrayView image, GrayView valid, int threshold, GrayBuffer binary);
 
 }  // namespace ipm_mapping

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -14,7 +15,7 @@ namespace ipm_mapping {
 ///
 /// Both pictures live on the grid of the undistorted current view: the current frame is sampled at
 /// distort(p), the reference frame at distort(G p), bilinearly. Coordinates are rounded to 1/128 px
-/// (worst error against the exact composed map below 0.01 px), grey levels to the nearest integer
+/// (worst error against the exact composed map below 0.02 px), grey levels to the nearest integer
 /// within 1/32. A picture of one row or one column has nothing to interpolate: nothing is valid.
 class UndistortWarp {
  public:
@@ -35,6 +36,7 @@ class UndistortWarp {
   kernels::Lens lens_{};
   kernels::Samples fixed_;  ///< of the current view, all rows
   kernels::Samples row_;    ///< of the reference view, one row
+  std::array<kernels::KeyRow, 3> keys_;
   std::vector<std::uint16_t> scratch_;
 };
 

@@ -41,9 +41,10 @@ class BearingSelection {
 
   SelectionParameters parameters_;
   int beams_ = 0, candidates_ = 0, first_row_ = 0;
-  std::vector<float> distance_;    // of every candidate, in camera heights
-  Image<float> prepared_;          // candidates x beams
-  Image<std::int16_t> came_from_;  // candidates + 1 x beams; the last state is 'nothing'
+  std::vector<float> distance_;     // of every candidate, in camera heights
+  std::vector<float> least_score_;  // to be published
+  Image<float> prepared_;           // candidates x beams
+  Image<std::int16_t> came_from_;   // candidates + 1 x beams; the last state is 'nothing'
   std::vector<float> cost_, reached_;
   std::vector<std::int16_t> from_;
   float nothing_ = 0.0F;

@@ -19,6 +19,9 @@ struct RowRange {
   return {a.begin > b.begin ? a.begin : b.begin, a.end < b.end ? a.end : b.end};
 }
 
+/// Element i: the rows that all of lines i ... i + lines - 1 see.
+[[nodiscard]] std::vector<RowRange> commonRows(const std::vector<RowRange>& rows, int lines);
+
 /// Raw image to polar grid: one fixed map per camera and pose, compiled once into byte offsets and
 /// weights. Each output pixel is
 ///   sum_k w_k B(p_k) / 128,  B = (1 2 1)/4 x (1 2 1)/4 * raw,

@@ -11,6 +11,7 @@
 #include "ipm_mapping/sweep/motion_refinement.hpp"
 #include "ipm_mapping/sweep/noise_model.hpp"
 #include "ipm_mapping/sweep/reference_ring.hpp"
+#include "ipm_mapping/sweep/specular_cost.hpp"
 #include "ipm_mapping/sweep/vertical_sweep.hpp"
 
 namespace ipm_mapping::sweep {
@@ -65,6 +66,7 @@ class SweepDetector : public Detector {
   NoiseModel noise_;
   MotionRefinement refinement_;
   FloorCost floor_cost_;
+  SpecularCost specular_;
   VerticalSweep sweep_;
   BearingSelection selection_;
   ReferenceRing ring_;

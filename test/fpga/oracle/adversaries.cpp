@@ -67,10 +67,21 @@ void crossBentLimit(Params& p, Random& random) {
   p.paper_order = 1;
 }
 
-/// The same, one LSB a row: xn is saturated, so that cx alone places the outcome.
+/// Exchanges the roles of x and y.
+void transpose(Params& p) {
+  std::swap(p.width, p.height);
+  std::swap(p.fx, p.fy);
+  std::swap(p.cx, p.cy);
+  std::swap(p.h11, p.h22);
+  std::swap(p.h13, p.h23);
+  p.memory_rows = std::clamp(p.memory_rows, p.height, 524288 / p.width);
+}
+
+/// The same to the LSB: xn is saturated, so that cx alone places x, and y is taken to the middle
+/// row. Nothing else may hide the pixel.
 void meetBentLimit(Params& p, Random& random) {
   const int sign = random.pick({-1, 1}), shrink = random.in(4, p.width / 2 - 4);
-  setHomography(p, {shrink, 0, 64 * p.width, 0, shrink, 64 * p.height, 0, 0, 128});
+  setHomography(p, {shrink, 0, 64 * p.width, 0, 0, 64 * p.height, 0, 0, 128});
   p.fx = 64;
   p.fy = 64 * random.in(60, 300);
   p.cx = 64 * 40;
@@ -78,11 +89,13 @@ void meetBentLimit(Params& p, Random& random) {
   p.k2 = sign > 0 ? 0 : 1;
   p.r2_max = 16777215;
   p.paper_order = 1;
+  p.use_horizon = p.undistort_current = 0;
   Wires unused;
   const Point edge{true, sign > 0 ? 64 * (p.width - 1) : 0, p.cy};
   const Point bent = distort(p, edge, unused.overflow[Xn], unused.overflow[Yn], unused);
-  const int target = sign > 0 ? 131074 - random.in(0, 15) : -131075 + random.in(0, 15);
+  const int target = sign > 0 ? 131072 - random.in(0, 3) : -131073 + random.in(0, 3);
   p.cx = std::clamp(p.cx + target - static_cast<int>(bent.x), 0, 65535);
+  if (random.chance(50)) transpose(p);
 }
 
 /// D passes 0 at a row.

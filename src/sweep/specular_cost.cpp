@@ -1,0 +1,42 @@
+#include "ipm_mapping/sweep/specular_cost.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ipm_mapping/kernels/sweep_costs.hpp"
+
+namespace ipm_mapping::sweep {
+
+void SpecularCost::configure(const PolarGrid& grid, const std::vector<RowRange>& reference_rows,
+                             const EvidenceParameters& p) {
+  grid_ = grid;
+  reference_rows_ = commonRows(reference_rows, kernels::beam_lines + 1);
+  prior_ = static_cast<std::int32_t>(std::lround(p.specular_prior * kernels::cost_unit));
+  cost_.resize(static_cast<std::size_t>(grid.sweepRows() + kernels::overrun));
+}
+
+void SpecularCost::apply(const CurrentView& current, const VerticalSweep& sweep,
+                         const SweepReference& reference, double turned,
+                         ImageView<std::uint16_t> floor_cost) {
+  for (int beam = 0; beam < sweep.beams(); ++beam) {
+    const double place = sweep.firstLine(beam) - turned * grid_.lines_per_radian;
+    const double line = std::floor(place);
+    if (!(line >= 0.0 && line < static_cast<double>(reference_rows_.size()))) continue;
+    const int first = static_cast<int>(line);
+    const RowRange seen = reference_rows_[static_cast<std::size_t>(first)];
+    const RowRange rows =
+        intersection(sweep.rows(beam), {(seen.begin + 1) / 2, (seen.end - 1) / 2});
+    if (rows.size() == 0) continue;
+    kernels::VerticalPath path;
+    path.current = current.grey.row(sweep.firstLine(beam)) + rows.begin;
+    path.weight = current.weight.row(sweep.firstLine(beam)) + rows.begin;
+    path.stride = grid_.sweepRows();
+    path.upper = reference.even.row(first) + rows.begin;
+    path.lower = reference.odd.row(first) + rows.begin;
+    path.line_fraction = static_cast<std::int16_t>((place - line) * 32767.0);
+    kernels::verticalCost(path, rows.size(), cost_.data());
+    kernels::lowerTo(cost_.data(), prior_, rows.size(), floor_cost.row(beam) + rows.begin);
+  }
+}
+
+}  // namespace ipm_mapping::sweep
