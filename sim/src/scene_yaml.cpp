@@ -140,6 +140,32 @@ void apply(YAML::Node root, const Override& change) {
   nodes.back() = YAML::Load(change.second);
 }
 
+/// Entries of `change` over those of `base`; lists are replaced as a whole.
+YAML::Node merged(const YAML::Node& base, const YAML::Node& change) {
+  if (!base.IsMap() || !change.IsMap()) return change;
+  YAML::Node all = YAML::Clone(base);
+  for (const auto& entry : change) {
+    const auto name = entry.first.as<std::string>();
+    all[name] = base[name] ? merged(base[name], entry.second) : entry.second;
+  }
+  return all;
+}
+
+YAML::Node loadFile(const std::string& path, int depth = 0) {
+  YAML::Node root;
+  try {
+    root = YAML::LoadFile(path);
+  } catch (const YAML::Exception& error) {
+    throw std::runtime_error("cannot read the scene " + path + ": " + error.what());
+  }
+  if (!root.IsMap() || !root["base"]) return root;
+  if (depth > 8) fail("base", root["base"].as<std::string>(), "free of circles");
+  const std::string folder = path.substr(0, path.find_last_of('/') + 1);
+  const YAML::Node base = loadFile(folder + root["base"].as<std::string>(), depth + 1);
+  root.remove("base");
+  return merged(base, root);
+}
+
 Scene sceneFrom(const YAML::Node& root, const std::vector<Override>& overrides) {
   for (const Override& change : overrides) apply(root, change);
   Scene scene;
@@ -195,13 +221,7 @@ class JsonWriter {
 }  // namespace
 
 Scene loadScene(const std::string& path, const std::vector<Override>& overrides) {
-  YAML::Node root;
-  try {
-    root = YAML::LoadFile(path);
-  } catch (const YAML::Exception& error) {
-    throw std::runtime_error("cannot read the scene " + path + ": " + error.what());
-  }
-  return sceneFrom(root, overrides);
+  return sceneFrom(loadFile(path), overrides);
 }
 
 Scene parseScene(const std::string& text, const std::vector<Override>& overrides) {
