@@ -36,10 +36,11 @@ int highestRowInRange(const std::int16_t* column, int first, int lowest, const F
   return in;
 }
 
-Stretch measure(const std::int16_t* column, GrayView obstacle_mask, const Floor& floor,
-                double max_range) {
+Stretch measure(const PolarBeam& beam, int line, const Floor& floor, double max_range) {
+  const std::int16_t* column = beam.columns(line);
+  const std::uint8_t* values = beam.values(line);
   Stretch stretch;
-  int lowest = obstacle_mask.height - 1, first = 0;
+  int lowest = beam.height() - 1, first = 0;
   while (lowest >= 0 && column[lowest] == PolarBeam::outside) --lowest;
   while (first < lowest && column[first] == PolarBeam::outside) ++first;
   if (lowest < 0) return stretch;
@@ -47,7 +48,7 @@ Stretch measure(const std::int16_t* column, GrayView obstacle_mask, const Floor&
   int near = -1, far = -1;
   bool broken = false;
   for (int v = lowest; v >= highest; --v) {
-    if (obstacle_mask.at(column[v], v) == mask::unseen) {
+    if (values[v] == mask::unseen) {
       broken = near >= 0;
       continue;
     }
@@ -72,11 +73,10 @@ double effectiveMaxRange(double parameter, const CameraModel& camera,
   return std::isfinite(near) ? std::max(2.0, 3.0 * near) : 2.0;
 }
 
-Bearing Localization::describeBearing(int line, GrayView obstacle_mask, const Floor& floor,
-                                      double max_range) const {
+Bearing Localization::describeBearing(int line, const Floor& floor, double max_range) const {
   const auto i = static_cast<std::size_t>(line);
   const std::int16_t* column = beam_.columns(line);
-  const Stretch stretch = measure(column, obstacle_mask, floor, max_range);
+  const Stretch stretch = measure(beam_, line, floor, max_range);
   Bearing bearing;
   bearing.angle = floor.angle(stretch.far_point);
   bearing.near = static_cast<float>(stretch.near);
@@ -171,7 +171,8 @@ FrameStatus Localization::process(const GroundView& view, GrayView obstacle_mask
   chosen_.reserve(n_lines);
   selection_.reserve(n_lines);
 
-  histogram_.count(beam_, obstacle_mask);                   // §5.2
+  beam_.sample(obstacle_mask);
+  histogram_.count(beam_);                                  // §5.2
   finder_.find(beam_, obstacle_mask, parameters_, lines_);  // §5.3
   obstacles.candidates.reserve(finder_.most());
   findPeaks(histogram_.obstacle, parameters_.single_bin_peaks, peaks_);  // §3.7
@@ -179,7 +180,7 @@ FrameStatus Localization::process(const GroundView& view, GrayView obstacle_mask
              peaks_);
   const Floor floor{view.currentFloor(), view.cameraFoot()};
   for (int line = 0; line < beam_.lines(); ++line)
-    obstacles.bearings.push_back(describeBearing(line, obstacle_mask, floor, obstacles.max_range));
+    obstacles.bearings.push_back(describeBearing(line, floor, obstacles.max_range));
   collectCandidates(floor, obstacles);  // eq. 5.18
   selectContacts(obstacles);            // §5.4.1
   return FrameStatus::Used;

@@ -52,8 +52,8 @@ class Localization : public Locator {
   [[nodiscard]] const std::vector<Peak>& peaks() const { return peaks_; }
 
  private:
-  [[nodiscard]] Bearing describeBearing(int line, GrayView obstacle_mask,
-                                        const LocalizationFloor& floor, double max_range) const;
+  [[nodiscard]] Bearing describeBearing(int line, const LocalizationFloor& floor,
+                                        double max_range) const;
   void collectCandidates(const LocalizationFloor& floor, Obstacles& obstacles) const;
   void selectContacts(Obstacles& obstacles);
 
