@@ -260,9 +260,12 @@ HWY_INLINE void GatherBlock(GrayView raw, const std::int16_t* u, const std::int1
     const auto row = hn::PromoteTo(d, hn::LoadU(Shorts(), v + i));
     hn::Store(hn::Add(hn::Mul(row, stride), column), d, offset + i);
   }
+  const std::uint8_t *upper = raw.data, *lower = raw.data + raw.stride;
+#pragma GCC unroll 16
   for (int i = 0; i < Samples::block; ++i) {
-    std::memcpy(above + i, raw.data + offset[i], 2);
-    std::memcpy(below + i, raw.data + offset[i] + raw.stride, 2);
+    const std::ptrdiff_t at = offset[i];
+    std::memcpy(above + i, upper + at, 2);
+    std::memcpy(below + i, lower + at, 2);
   }
 }
 
@@ -293,42 +296,72 @@ HWY_INLINE void StorePairs(__m512i left, __m512i right, std::uint16_t* pairs) {
   }
 }
 
+/// One coordinate of a block as bytes above its smallest value; `range` is the largest of them.
+struct BlockBytes {
+  __m512i bytes;
+  int base, range;
+};
+
+HWY_INLINE BlockBytes BytesFrom(__m512i a, __m512i b, int base, int range) {
+  const __m512i least = _mm512_set1_epi16(static_cast<short>(base));
+  const __m256i low = _mm512_cvtepi16_epi8(_mm512_sub_epi16(a, least));
+  const __m256i high = _mm512_cvtepi16_epi8(_mm512_sub_epi16(b, least));
+  return {_mm512_inserti64x4(_mm512_castsi256_si512(low), high, 1), base, range};
+}
+
+/// Smallest and largest among the samples that are seen.
+HWY_ATTR HWY_NOINLINE BlockBytes SearchedBytes(const std::int16_t* p, __mmask32 low,
+                                               __mmask32 high) {
+  const hn::CappedTag<std::int16_t, 32> d;
+  const __m512i a = _mm512_loadu_si512(p), b = _mm512_loadu_si512(p + 32);
+  const __m512i top = _mm512_set1_epi16(32767), bottom = _mm512_set1_epi16(-1);
+  const __m512i least =
+      _mm512_min_epi16(_mm512_mask_mov_epi16(top, low, a), _mm512_mask_mov_epi16(top, high, b));
+  const __m512i most = _mm512_max_epi16(_mm512_mask_mov_epi16(bottom, low, a),
+                                        _mm512_mask_mov_epi16(bottom, high, b));
+  const int smallest = hn::GetLane(hn::MinOfLanes(d, hn::Vec<decltype(d)>{least}));
+  const int largest = hn::GetLane(hn::MaxOfLanes(d, hn::Vec<decltype(d)>{most}));
+  return BytesFrom(a, b, smallest, largest - smallest);
+}
+
+/// As SearchedBytes() of a block that is seen whole. Nearly always the extremes of a map along a
+/// row stand at its ends or in its middle: look there, and search only where that is wrong.
+HWY_INLINE BlockBytes GuessedBytes(const std::int16_t* p) {
+  const int smallest = std::min(std::min(p[0], p[32]), p[63]);
+  const int largest = std::max(std::max(p[0], p[32]), p[63]);
+  const __m512i a = _mm512_loadu_si512(p), b = _mm512_loadu_si512(p + 32);
+  const __m512i least = _mm512_set1_epi16(static_cast<short>(smallest));
+  const __m512i range = _mm512_set1_epi16(static_cast<short>(largest - smallest));
+  const __mmask32 wrong = _mm512_cmpgt_epu16_mask(_mm512_sub_epi16(a, least), range) |
+                          _mm512_cmpgt_epu16_mask(_mm512_sub_epi16(b, least), range);
+  if (HWY_UNLIKELY(wrong != 0)) return SearchedBytes(p, ~__mmask32{0}, ~__mmask32{0});
+  return BytesFrom(a, b, smallest, largest - smallest);
+}
+
 /// As GatherBlock(), by permuting whole stretches of the few rows that a block touches; false where
 /// it touches more than that.
 HWY_INLINE bool PermuteBlock(GrayView raw, const std::int16_t* u, const std::int16_t* v,
                              const std::uint16_t* way, std::uint16_t* above, std::uint16_t* below) {
   constexpr int most_rows = 12, most_columns = 126;
-  const hn::CappedTag<std::int16_t, 32> d;
   const __m512i outside = _mm512_set1_epi16(-1);
   const __mmask32 low = _mm512_cmpneq_epi16_mask(_mm512_loadu_si512(way), outside);
   const __mmask32 high = _mm512_cmpneq_epi16_mask(_mm512_loadu_si512(way + 32), outside);
   if ((low | high) == 0) return true;  // nothing will be used
-  const auto range = [&](const std::int16_t* p, int& smallest, int& largest) HWY_ATTR {
-    const __m512i a = _mm512_loadu_si512(p), b = _mm512_loadu_si512(p + 32);
-    const __m512i top = _mm512_set1_epi16(32767), bottom = _mm512_set1_epi16(-1);
-    const __m512i least =
-        _mm512_min_epi16(_mm512_mask_mov_epi16(top, low, a), _mm512_mask_mov_epi16(top, high, b));
-    const __m512i most = _mm512_max_epi16(_mm512_mask_mov_epi16(bottom, low, a),
-                                          _mm512_mask_mov_epi16(bottom, high, b));
-    smallest = hn::GetLane(hn::MinOfLanes(d, hn::Vec<decltype(d)>{least}));
-    largest = hn::GetLane(hn::MaxOfLanes(d, hn::Vec<decltype(d)>{most}));
-    const __m512i base = _mm512_set1_epi16(static_cast<short>(smallest));
-    return _mm512_inserti64x4(
-        _mm512_castsi256_si512(_mm512_cvtepi16_epi8(_mm512_sub_epi16(a, base))),
-        _mm512_cvtepi16_epi8(_mm512_sub_epi16(b, base)), 1);
-  };
-  int u0 = 0, u1 = 0, v0 = 0, v1 = 0;
-  const __m512i column = range(u, u0, u1), row = range(v, v0, v1);
-  if (u1 - u0 > most_columns || v1 - v0 > most_rows) return false;
+  const bool whole = (low & high) == ~__mmask32{0};
+  const BlockBytes columns = whole ? GuessedBytes(u) : SearchedBytes(u, low, high);
+  const BlockBytes rows = whole ? GuessedBytes(v) : SearchedBytes(v, low, high);
+  if (columns.range > most_columns || rows.range > most_rows) return false;
 
-  const __m512i next = _mm512_add_epi8(column, _mm512_set1_epi8(1));
+  const __m512i next = _mm512_add_epi8(columns.bytes, _mm512_set1_epi8(1));
   __m512i left[2] = {}, right[2] = {};  // above, below
-  for (int r = 0; r <= v1 - v0 + 1; ++r) {
-    const Window window(raw.data + (v0 + r) * raw.stride + u0, raw.width - u0);
-    const __m512i a = window.at(column), b = window.at(next);
-    const __mmask64 top = _mm512_cmpeq_epi8_mask(row, _mm512_set1_epi8(static_cast<char>(r)));
+  const std::uint8_t* p = raw.data + rows.base * raw.stride + columns.base;
+  for (int r = 0; r <= rows.range + 1; ++r, p += raw.stride) {
+    const Window window(p, raw.width - columns.base);
+    const __m512i a = window.at(columns.bytes), b = window.at(next);
+    const __mmask64 top =
+        _mm512_cmpeq_epi8_mask(rows.bytes, _mm512_set1_epi8(static_cast<char>(r)));
     const __mmask64 bottom =
-        _mm512_cmpeq_epi8_mask(row, _mm512_set1_epi8(static_cast<char>(r - 1)));
+        _mm512_cmpeq_epi8_mask(rows.bytes, _mm512_set1_epi8(static_cast<char>(r - 1)));
     left[0] = _mm512_mask_mov_epi8(left[0], top, a);
     right[0] = _mm512_mask_mov_epi8(right[0], top, b);
     left[1] = _mm512_mask_mov_epi8(left[1], bottom, a);

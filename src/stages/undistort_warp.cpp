@@ -32,6 +32,12 @@ class Rays {
             step.x(),  step.y(),  step.z(),  static_cast<float>(inverse_depth_.x())};
   }
 
+  /// False where the whole row lies on or above the horizon: its inverse depth is linear in u.
+  [[nodiscard]] bool seesFloor(int v, int width) const {
+    const double left = inverse_depth_.y() * v + inverse_depth_.z();
+    return left > 0.0 || left + inverse_depth_.x() * (width - 1) > 0.0;
+  }
+
  private:
   Eigen::Matrix3d to_normalized_;  ///< K^-1 G
   Eigen::RowVector3d inverse_depth_;
@@ -47,11 +53,12 @@ std::array<float, 3> weightsOf(int v) {
   return {0.5F * (t - 1.0F) * (t - 2.0F), t * (2.0F - t), 0.5F * t * (t - 1.0F)};
 }
 
+void clearRow(GrayBuffer picture, GrayBuffer valid, int v) {
+  std::fill_n(picture.row(v), picture.width, std::uint8_t{0});
+  std::fill_n(valid.row(v), valid.width, std::uint8_t{0});
+}
 void clear(GrayBuffer picture, GrayBuffer valid) {
-  for (int v = 0; v < picture.height; ++v) {
-    std::fill_n(picture.row(v), picture.width, std::uint8_t{0});
-    std::fill_n(valid.row(v), valid.width, std::uint8_t{0});
-  }
+  for (int v = 0; v < picture.height; ++v) clearRow(picture, valid, v);
 }
 
 }  // namespace
@@ -97,6 +104,10 @@ void UndistortWarp::warp(GrayView raw_reference, const GroundView& view, GrayBuf
     kernels::mapKeyRow(rays.row(base + span / 2), lens_, keys_[1]);
     kernels::mapKeyRow(rays.row(base + span), lens_, keys_[2]);
     for (int v = first; v < std::min(first + span, H); ++v) {
+      if (!rays.seesFloor(v, camera_.width())) {
+        clearRow(warped, valid, v);
+        continue;
+      }
       const kernels::KeyRows keys{{&keys_[0], &keys_[1], &keys_[2]}, weightsOf(v - base)};
       kernels::mapRow(rays.row(v), &keys, lens_, row_.row(0), row_.paddedWidth());
       kernels::sampleRow(raw_reference, row_.row(0), raw_reference.width, kernels::Validity::And,
