@@ -156,8 +156,11 @@ class Chain {
   FrameStatus status_;
 };
 
-/// Everything after this runs on one instruction set; 0: the best of the machine.
-void useTarget(std::int64_t target) { hwy::SetSupportedTargetsForTest(target); }
+/// Everything after this runs on nothing better than `target`; 0: the best of the machine.
+void useTarget(std::int64_t target) {
+  hwy::SetSupportedTargetsForTest(0);
+  if (target != 0) hwy::SetSupportedTargetsForTest(hwy::SupportedTargets() & ~(target - 1));
+}
 
 void ours(benchmark::State& state, std::int64_t target) {
   useTarget(target);

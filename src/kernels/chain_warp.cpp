@@ -22,7 +22,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Floats = hn::ScalableTag<float>;
 using Ints = hn::RebindToSigned<Floats>;
 using Shorts = hn::Rebind<std::int16_t, Floats>;
-using Bytes = hn::Rebind<std::uint8_t, Floats>;
+using UnsignedShorts = hn::Rebind<std::uint16_t, Floats>;
 
 // Adding this rounds a float of less than 2^22 to the nearest integer, into its low bits.
 constexpr float rounder = 12582912.0F;  // 1.5 * 2^23
@@ -60,41 +60,46 @@ HWY_INLINE bool Inside(const RawPixel& p, const Lens& lens, float margin, float 
          p.v < static_cast<float>(lens.height - 1) - margin;
 }
 
-HWY_INLINE void SplitPixel(float coordinate, int size, std::int16_t& pixel, std::uint8_t& way) {
-  const float shifted = coordinate * static_cast<float>(sample_steps) + rounder;
+HWY_INLINE int WholeStepsOf(float steps) {
+  const float shifted = steps + rounder;
   std::int32_t bits = 0, zero = 0;
   std::memcpy(&bits, &shifted, sizeof bits);
   std::memcpy(&zero, &rounder, sizeof zero);
-  const int rounded = bits - zero;
-  const int whole = std::min(rounded >> 7, size - 2);
-  pixel = static_cast<std::int16_t>(whole);
-  way = static_cast<std::uint8_t>(rounded - (whole << 7));
+  return bits - zero;
 }
 
 inline void MapPixel(const RayRow& rays, const KeyRows* keys, const Lens& lens,
                      const Samples::Row& samples, int u) {
-  RawPixel p{};
+  constexpr auto steps = static_cast<float>(sample_steps);
+  float u_steps = 0.0F, v_steps = 0.0F;
   bool seen = false;
   if (keys != nullptr) {
     const auto i = static_cast<std::size_t>(u);
     const auto mix = [&](auto coordinate) {
-      return keys->weights[0] * (*keys->rows[0].*coordinate)[i] +
-             keys->weights[1] * (*keys->rows[1].*coordinate)[i] +
-             keys->weights[2] * (*keys->rows[2].*coordinate)[i];
+      return keys->weights[0] * steps * (*keys->rows[0].*coordinate)[i] +
+             keys->weights[1] * steps * (*keys->rows[1].*coordinate)[i] +
+             keys->weights[2] * steps * (*keys->rows[2].*coordinate)[i];
     };
-    p.u = mix(&KeyRow::u);
-    p.v = mix(&KeyRow::v);
-    seen = p.u == p.u;
+    u_steps = mix(&KeyRow::u);
+    v_steps = mix(&KeyRow::v);
+    seen = u_steps == u_steps;
   }
   if (!seen) {
-    p = ExactPixel(rays, lens, u);
-    seen = Inside(p, lens, -0.5F / sample_steps, lens.turning_radius_squared);
+    const RawPixel p = ExactPixel(rays, lens, u);
+    u_steps = p.u * steps;
+    v_steps = p.v * steps;
+    seen = Inside(p, lens, -0.5F / steps, lens.turning_radius_squared);
   }
   samples.u[u] = samples.v[u] = 0;
-  samples.right[u] = samples.down[u] = sample_outside;
+  samples.way[u] = sample_outside;
   if (!seen) return;
-  SplitPixel(p.u, lens.width, samples.u[u], samples.right[u]);
-  SplitPixel(p.v, lens.height, samples.v[u], samples.down[u]);
+  const int rounded_u = WholeStepsOf(u_steps), rounded_v = WholeStepsOf(v_steps);
+  const int whole_u = std::min(rounded_u >> 7, lens.width - 2);
+  const int whole_v = std::min(rounded_v >> 7, lens.height - 2);
+  samples.u[u] = static_cast<std::int16_t>(whole_u);
+  samples.v[u] = static_cast<std::int16_t>(whole_v);
+  samples.way[u] = static_cast<std::uint16_t>((rounded_u - (whole_u << 7)) |
+                                              ((rounded_v - (whole_v << 7)) << 8));
 }
 
 // ---- vectors ------------------------------------------------------------------------------------
@@ -139,20 +144,37 @@ HWY_INLINE hn::Mask<Floats> Inside(const RawVector& p, const Lens& lens, float m
   return hn::And(inside, hn::And(after, hn::And(hn::Lt(p.u, right), hn::Lt(p.v, bottom))));
 }
 
-HWY_INLINE void Split(hn::Vec<Floats> coordinate, hn::Mask<Floats> seen, int size,
-                      std::int16_t* pixel, std::uint8_t* way) {
+HWY_INLINE hn::Vec<Ints> WholeSteps(hn::Vec<Floats> steps) {
   const Ints i;
-  const auto shifted = hn::Add(hn::Mul(coordinate, Set(sample_steps)), Set(rounder));
-  const auto rounded = hn::IfThenElseZero(
-      hn::RebindMask(i, seen), hn::Sub(hn::BitCast(i, shifted), hn::BitCast(i, Set(rounder))));
-  const auto whole = hn::Min(hn::ShiftRight<7>(rounded), hn::Set(i, size - 2));
-  const auto rest = hn::Sub(rounded, hn::ShiftLeft<7>(whole));
-  hn::StoreU(hn::DemoteTo(Shorts(), whole), Shorts(), pixel);
-  const auto marked = hn::IfThenElse(hn::RebindMask(i, seen), rest, hn::Set(i, sample_outside));
-  hn::StoreU(hn::DemoteTo(Bytes(), marked), Bytes(), way);
+  return hn::Sub(hn::BitCast(i, hn::Add(steps, Set(rounder))), hn::BitCast(i, Set(rounder)));
 }
 
-/// Interpolated coordinates; NaN where a key row has none.
+/// Stores coordinates at least a pixel inside the picture.
+HWY_INLINE void StoreInside(hn::Vec<Ints> u, hn::Vec<Ints> v, const Samples::Row& samples, int at) {
+  const Ints i;
+  const auto mask = hn::Set(i, sample_steps - 1);
+  const auto way = hn::Or(hn::And(u, mask), hn::ShiftLeft<8>(hn::And(v, mask)));
+  hn::StoreU(hn::DemoteTo(Shorts(), hn::ShiftRight<7>(u)), Shorts(), samples.u + at);
+  hn::StoreU(hn::DemoteTo(Shorts(), hn::ShiftRight<7>(v)), Shorts(), samples.v + at);
+  hn::StoreU(hn::DemoteTo(UnsignedShorts(), way), UnsignedShorts(), samples.way + at);
+}
+
+/// A sample on the last row or column goes the whole way from the one before it.
+HWY_INLINE void StoreAnywhere(hn::Vec<Ints> u, hn::Vec<Ints> v, hn::Mask<Ints> seen,
+                              const Lens& lens, const Samples::Row& samples, int at) {
+  const Ints i;
+  const auto whole_u = hn::Min(hn::ShiftRight<7>(u), hn::Set(i, lens.width - 2));
+  const auto whole_v = hn::Min(hn::ShiftRight<7>(v), hn::Set(i, lens.height - 2));
+  const auto right = hn::Sub(u, hn::ShiftLeft<7>(whole_u));
+  const auto down = hn::Sub(v, hn::ShiftLeft<7>(whole_v));
+  const auto way =
+      hn::IfThenElse(seen, hn::Or(right, hn::ShiftLeft<8>(down)), hn::Set(i, sample_outside));
+  hn::StoreU(hn::DemoteTo(Shorts(), hn::IfThenElseZero(seen, whole_u)), Shorts(), samples.u + at);
+  hn::StoreU(hn::DemoteTo(Shorts(), hn::IfThenElseZero(seen, whole_v)), Shorts(), samples.v + at);
+  hn::StoreU(hn::DemoteTo(UnsignedShorts(), way), UnsignedShorts(), samples.way + at);
+}
+
+/// Interpolated coordinates in steps; NaN where a key row has none.
 HWY_INLINE hn::Vec<Floats> Mix(const KeyRows& keys, const float* a, const float* b,
                                const float* c) {
   const Floats f;
@@ -178,24 +200,28 @@ HWY_ATTR void MapRow(const RayRow& ray_row, const KeyRows* keys, const Lens& len
                                           key(2, &KeyRow::u)};
   const std::array<const float*, 3> key_v{key(0, &KeyRow::v), key(1, &KeyRow::v),
                                           key(2, &KeyRow::v)};
-  const KeyRows weights = keys == nullptr ? KeyRows{} : *keys;
+  KeyRows weights = keys == nullptr ? KeyRows{} : *keys;
+  for (float& weight : weights.weights) weight *= sample_steps;
+  const auto steps = Set(sample_steps);
   const int lanes = static_cast<int>(hn::Lanes(Floats()));
   for (int u = 0; u < padded_width; u += lanes) {
-    auto u_raw = Set(0.0F), v_raw = u_raw;
-    auto seen = hn::Lt(u_raw, u_raw);
+    auto u_steps = Set(0.0F), v_steps = u_steps;
+    auto seen = hn::Lt(u_steps, u_steps);
     if (keys != nullptr) {
-      u_raw = Mix(weights, key_u[0] + u, key_u[1] + u, key_u[2] + u);
-      v_raw = Mix(weights, key_v[0] + u, key_v[1] + u, key_v[2] + u);
-      seen = hn::Eq(u_raw, u_raw);
+      u_steps = Mix(weights, key_u[0] + u, key_u[1] + u, key_u[2] + u);
+      v_steps = Mix(weights, key_v[0] + u, key_v[1] + u, key_v[2] + u);
+      seen = hn::Eq(u_steps, u_steps);
+      if (HWY_LIKELY(hn::AllTrue(Floats(), seen))) {
+        StoreInside(WholeSteps(u_steps), WholeSteps(v_steps), samples, u);
+        continue;
+      }
     }
-    if (!hn::AllTrue(Floats(), seen)) {
-      const RawVector p = Exact(rays, lens, u);
-      u_raw = hn::IfThenElse(seen, u_raw, p.u);
-      v_raw = hn::IfThenElse(seen, v_raw, p.v);
-      seen = hn::Or(seen, Inside(p, lens, -0.5F / sample_steps, lens.turning_radius_squared));
-    }
-    Split(u_raw, seen, lens.width, samples.u + u, samples.right + u);
-    Split(v_raw, seen, lens.height, samples.v + u, samples.down + u);
+    const RawVector p = Exact(rays, lens, u);
+    u_steps = hn::IfThenElse(seen, u_steps, hn::Mul(p.u, steps));
+    v_steps = hn::IfThenElse(seen, v_steps, hn::Mul(p.v, steps));
+    seen = hn::Or(seen, Inside(p, lens, -0.5F / sample_steps, lens.turning_radius_squared));
+    StoreAnywhere(WholeSteps(u_steps), WholeSteps(v_steps), hn::RebindMask(Ints(), seen), lens,
+                  samples, u);
   }
 }
 
@@ -234,9 +260,12 @@ HWY_INLINE void GatherBlock(GrayView raw, const std::int16_t* u, const std::int1
     const auto row = hn::PromoteTo(d, hn::LoadU(Shorts(), v + i));
     hn::Store(hn::Add(hn::Mul(row, stride), column), d, offset + i);
   }
+  const std::uint8_t *upper = raw.data, *lower = raw.data + raw.stride;
+#pragma GCC unroll 16
   for (int i = 0; i < Samples::block; ++i) {
-    std::memcpy(above + i, raw.data + offset[i], 2);
-    std::memcpy(below + i, raw.data + offset[i] + raw.stride, 2);
+    const std::ptrdiff_t at = offset[i];
+    std::memcpy(above + i, upper + at, 2);
+    std::memcpy(below + i, lower + at, 2);
   }
 }
 
@@ -267,41 +296,72 @@ HWY_INLINE void StorePairs(__m512i left, __m512i right, std::uint16_t* pairs) {
   }
 }
 
+/// One coordinate of a block as bytes above its smallest value; `range` is the largest of them.
+struct BlockBytes {
+  __m512i bytes;
+  int base, range;
+};
+
+HWY_INLINE BlockBytes BytesFrom(__m512i a, __m512i b, int base, int range) {
+  const __m512i least = _mm512_set1_epi16(static_cast<short>(base));
+  const __m256i low = _mm512_cvtepi16_epi8(_mm512_sub_epi16(a, least));
+  const __m256i high = _mm512_cvtepi16_epi8(_mm512_sub_epi16(b, least));
+  return {_mm512_inserti64x4(_mm512_castsi256_si512(low), high, 1), base, range};
+}
+
+/// Smallest and largest among the samples that are seen.
+HWY_ATTR HWY_NOINLINE BlockBytes SearchedBytes(const std::int16_t* p, __mmask32 low,
+                                               __mmask32 high) {
+  const hn::CappedTag<std::int16_t, 32> d;
+  const __m512i a = _mm512_loadu_si512(p), b = _mm512_loadu_si512(p + 32);
+  const __m512i top = _mm512_set1_epi16(32767), bottom = _mm512_set1_epi16(-1);
+  const __m512i least =
+      _mm512_min_epi16(_mm512_mask_mov_epi16(top, low, a), _mm512_mask_mov_epi16(top, high, b));
+  const __m512i most = _mm512_max_epi16(_mm512_mask_mov_epi16(bottom, low, a),
+                                        _mm512_mask_mov_epi16(bottom, high, b));
+  const int smallest = hn::GetLane(hn::MinOfLanes(d, hn::Vec<decltype(d)>{least}));
+  const int largest = hn::GetLane(hn::MaxOfLanes(d, hn::Vec<decltype(d)>{most}));
+  return BytesFrom(a, b, smallest, largest - smallest);
+}
+
+/// As SearchedBytes() of a block that is seen whole. Nearly always the extremes of a map along a
+/// row stand at its ends or in its middle: look there, and search only where that is wrong.
+HWY_INLINE BlockBytes GuessedBytes(const std::int16_t* p) {
+  const int smallest = std::min(std::min(p[0], p[32]), p[63]);
+  const int largest = std::max(std::max(p[0], p[32]), p[63]);
+  const __m512i a = _mm512_loadu_si512(p), b = _mm512_loadu_si512(p + 32);
+  const __m512i least = _mm512_set1_epi16(static_cast<short>(smallest));
+  const __m512i range = _mm512_set1_epi16(static_cast<short>(largest - smallest));
+  const __mmask32 wrong = _mm512_cmpgt_epu16_mask(_mm512_sub_epi16(a, least), range) |
+                          _mm512_cmpgt_epu16_mask(_mm512_sub_epi16(b, least), range);
+  if (HWY_UNLIKELY(wrong != 0)) return SearchedBytes(p, ~__mmask32{0}, ~__mmask32{0});
+  return BytesFrom(a, b, smallest, largest - smallest);
+}
+
 /// As GatherBlock(), by permuting whole stretches of the few rows that a block touches; false where
 /// it touches more than that.
 HWY_INLINE bool PermuteBlock(GrayView raw, const std::int16_t* u, const std::int16_t* v,
-                             const std::uint8_t* way, std::uint16_t* above, std::uint16_t* below) {
+                             const std::uint16_t* way, std::uint16_t* above, std::uint16_t* below) {
   constexpr int most_rows = 12, most_columns = 126;
-  const hn::CappedTag<std::int16_t, 32> d;
-  const __mmask64 seen = _mm512_cmpneq_epi8_mask(_mm512_loadu_si512(way), _mm512_set1_epi8(-1));
-  if (seen == 0) return true;  // nothing will be used
-  const auto low = static_cast<__mmask32>(seen), high = static_cast<__mmask32>(seen >> 32);
-  const auto range = [&](const std::int16_t* p, int& smallest, int& largest) HWY_ATTR {
-    const __m512i a = _mm512_loadu_si512(p), b = _mm512_loadu_si512(p + 32);
-    const __m512i top = _mm512_set1_epi16(32767), bottom = _mm512_set1_epi16(-1);
-    const __m512i least =
-        _mm512_min_epi16(_mm512_mask_mov_epi16(top, low, a), _mm512_mask_mov_epi16(top, high, b));
-    const __m512i most = _mm512_max_epi16(_mm512_mask_mov_epi16(bottom, low, a),
-                                          _mm512_mask_mov_epi16(bottom, high, b));
-    smallest = hn::GetLane(hn::MinOfLanes(d, hn::Vec<decltype(d)>{least}));
-    largest = hn::GetLane(hn::MaxOfLanes(d, hn::Vec<decltype(d)>{most}));
-    const __m512i base = _mm512_set1_epi16(static_cast<short>(smallest));
-    return _mm512_inserti64x4(
-        _mm512_castsi256_si512(_mm512_cvtepi16_epi8(_mm512_sub_epi16(a, base))),
-        _mm512_cvtepi16_epi8(_mm512_sub_epi16(b, base)), 1);
-  };
-  int u0 = 0, u1 = 0, v0 = 0, v1 = 0;
-  const __m512i column = range(u, u0, u1), row = range(v, v0, v1);
-  if (u1 - u0 > most_columns || v1 - v0 > most_rows) return false;
+  const __m512i outside = _mm512_set1_epi16(-1);
+  const __mmask32 low = _mm512_cmpneq_epi16_mask(_mm512_loadu_si512(way), outside);
+  const __mmask32 high = _mm512_cmpneq_epi16_mask(_mm512_loadu_si512(way + 32), outside);
+  if ((low | high) == 0) return true;  // nothing will be used
+  const bool whole = (low & high) == ~__mmask32{0};
+  const BlockBytes columns = whole ? GuessedBytes(u) : SearchedBytes(u, low, high);
+  const BlockBytes rows = whole ? GuessedBytes(v) : SearchedBytes(v, low, high);
+  if (columns.range > most_columns || rows.range > most_rows) return false;
 
-  const __m512i next = _mm512_add_epi8(column, _mm512_set1_epi8(1));
+  const __m512i next = _mm512_add_epi8(columns.bytes, _mm512_set1_epi8(1));
   __m512i left[2] = {}, right[2] = {};  // above, below
-  for (int r = 0; r <= v1 - v0 + 1; ++r) {
-    const Window window(raw.data + (v0 + r) * raw.stride + u0, raw.width - u0);
-    const __m512i a = window.at(column), b = window.at(next);
-    const __mmask64 top = _mm512_cmpeq_epi8_mask(row, _mm512_set1_epi8(static_cast<char>(r)));
+  const std::uint8_t* p = raw.data + rows.base * raw.stride + columns.base;
+  for (int r = 0; r <= rows.range + 1; ++r, p += raw.stride) {
+    const Window window(p, raw.width - columns.base);
+    const __m512i a = window.at(columns.bytes), b = window.at(next);
+    const __mmask64 top =
+        _mm512_cmpeq_epi8_mask(rows.bytes, _mm512_set1_epi8(static_cast<char>(r)));
     const __mmask64 bottom =
-        _mm512_cmpeq_epi8_mask(row, _mm512_set1_epi8(static_cast<char>(r - 1)));
+        _mm512_cmpeq_epi8_mask(rows.bytes, _mm512_set1_epi8(static_cast<char>(r - 1)));
     left[0] = _mm512_mask_mov_epi8(left[0], top, a);
     right[0] = _mm512_mask_mov_epi8(right[0], top, b);
     left[1] = _mm512_mask_mov_epi8(left[1], bottom, a);
@@ -313,7 +373,7 @@ HWY_INLINE bool PermuteBlock(GrayView raw, const std::int16_t* u, const std::int
 }
 #else
 HWY_INLINE bool PermuteBlock(GrayView, const std::int16_t*, const std::int16_t*,
-                             const std::uint8_t*, std::uint16_t*, std::uint16_t*) {
+                             const std::uint16_t*, std::uint16_t*, std::uint16_t*) {
   return false;
 }
 #endif
@@ -321,7 +381,7 @@ HWY_INLINE bool PermuteBlock(GrayView, const std::int16_t*, const std::int16_t*,
 HWY_INLINE void GatherPairs(GrayView raw, const Samples::Row& samples, int width,
                             std::uint16_t* above, std::uint16_t* below) {
   for (int i = 0; i < width; i += Samples::block) {
-    if (!PermuteBlock(raw, samples.u + i, samples.v + i, samples.right + i, above + i, below + i))
+    if (!PermuteBlock(raw, samples.u + i, samples.v + i, samples.way + i, above + i, below + i))
       GatherBlock(raw, samples.u + i, samples.v + i, above + i, below + i);
   }
 }
@@ -343,12 +403,12 @@ HWY_INLINE hn::Vec<Halves> Across(const std::uint16_t* pairs, hn::Vec<Halves> wa
 inline void SamplePixels(GrayView raw, const Samples::Row& samples, int width, Validity validity,
                          std::uint8_t* out, std::uint8_t* valid) {
   for (int u = 0; u < width; ++u) {
-    if (samples.right[u] == sample_outside) {
+    if (samples.way[u] == sample_outside) {
       out[u] = valid[u] = 0;
       continue;
     }
     const std::uint8_t* p = raw.row(samples.v[u]) + samples.u[u];
-    const int right = samples.right[u], down = samples.down[u];
+    const int right = samples.way[u] & 0xFF, down = samples.way[u] >> 8;
     const int top = p[0] * sample_steps + (p[1] - p[0]) * right;
     p += raw.stride;
     const int bottom = p[0] * sample_steps + (p[1] - p[0]) * right;
@@ -363,21 +423,24 @@ HWY_ATTR void SampleRow(GrayView raw, const Samples::Row& samples, int width, Va
                         std::uint16_t* scratch, std::uint8_t* out, std::uint8_t* valid) {
   if (!vectors) return SamplePixels(raw, samples, width, validity, out, valid);
   const Halves d;
+  const hn::RebindToUnsigned<Halves> words;
   const HalfBytes bytes;
   const int lanes = static_cast<int>(hn::Lanes(d));
   const int padded = (width + Samples::block - 1) / Samples::block * Samples::block;
   std::uint16_t* below = scratch + padded;
   GatherPairs(raw, samples, padded, scratch, below);
   for (int u = 0; u < width; u += lanes) {
-    const auto right = hn::LoadU(bytes, samples.right + u);
-    const auto down = hn::PromoteTo(d, hn::LoadU(bytes, samples.down + u));
-    const auto top = Across(scratch + u, hn::PromoteTo(d, right));
-    const auto bottom = Across(below + u, hn::PromoteTo(d, right));
+    const auto way = hn::LoadU(words, samples.way + u);
+    const auto right = hn::BitCast(d, hn::And(way, hn::Set(words, std::uint16_t{0xFF})));
+    const auto down = hn::BitCast(d, hn::ShiftRight<8>(way));
+    const auto top = Across(scratch + u, right);
+    const auto bottom = Across(below + u, right);
     // way / 128 as a fraction of 2^15; 128 would overflow: 2^15 - 1 rounds to the same.
     const auto fraction = hn::Sub(hn::ShiftLeft<8>(down), hn::ShiftRight<7>(down));
     const auto mean = hn::Add(hn::ShiftRight<1>(top), hn::MulHigh(hn::Sub(bottom, top), fraction));
     const auto grey = hn::DemoteTo(bytes, hn::ShiftRight<6>(hn::Add(mean, hn::Set(d, 32))));
-    const auto outside = hn::VecFromMask(bytes, hn::Eq(right, hn::Set(bytes, sample_outside)));
+    const auto none = hn::VecFromMask(words, hn::Eq(way, hn::Set(words, sample_outside)));
+    const auto outside = hn::DemoteTo(bytes, hn::BitCast(d, hn::ShiftRight<8>(none)));
     const auto result = hn::AndNot(outside, grey);
     const auto all = hn::Set(bytes, 255);
     if (u + lanes <= width) {
@@ -428,22 +491,21 @@ void Samples::resize(int width, int rows) {
   const auto n = static_cast<std::size_t>(padded_) * static_cast<std::size_t>(rows);
   u_.assign(n, 0);
   v_.assign(n, 0);
-  right_.assign(n, sample_outside);
-  down_.assign(n, sample_outside);
+  way_.assign(n, sample_outside);
 }
 
 bool Samples::put(const Row& row, int u, double u_raw, double v_raw, int W, int H) {
   const double margin = 0.5 / sample_steps;
   if (!(u_raw > -margin && v_raw > -margin && u_raw < W - 1 + margin && v_raw < H - 1 + margin))
     return false;
-  const auto split = [](double coordinate, int size, std::int16_t& pixel, std::uint8_t& way) {
+  const auto split = [](double coordinate, int size, std::int16_t& pixel) {
     const int rounded = static_cast<int>(coordinate * sample_steps + 0.5);
     const int whole = std::min(rounded / sample_steps, size - 2);
     pixel = static_cast<std::int16_t>(whole);
-    way = static_cast<std::uint8_t>(rounded - whole * sample_steps);
+    return rounded - whole * sample_steps;
   };
-  split(u_raw, W, row.u[u], row.right[u]);
-  split(v_raw, H, row.v[u], row.down[u]);
+  const int right = split(u_raw, W, row.u[u]), down = split(v_raw, H, row.v[u]);
+  row.way[u] = static_cast<std::uint16_t>(right | (down << 8));
   return true;
 }
 

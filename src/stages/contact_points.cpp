@@ -77,9 +77,10 @@ void ContactFinder::follow(const PolarBeam& beam, int line, GrayView obstacle_ma
                            const LocalizationParameters& parameters, LineContacts& result) {
   const std::int16_t* column = beam.columns(line);
   Triangle triangle(line, 2 * parameters.window_half_width + 1);
+  const std::uint8_t* values = beam.values(line);
   for (int v = 0; v < beam.height(); ++v) {
+    const std::uint8_t value = values[v];
     const int u = column[v];
-    const std::uint8_t value = u == PolarBeam::outside ? mask::unseen : obstacle_mask.at(u, v);
     if (value == mask::obstacle) {
       triangle.add(
           windowSum(obstacle_mask.row(v), obstacle_mask.width, u, parameters.window_half_width), u,

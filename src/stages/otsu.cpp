@@ -17,6 +17,10 @@ void addRow(const std::uint8_t* image, int width, Tables& counts) {
   for (; u + tables <= width; u += tables) {
     std::uint64_t pixels = 0;
     std::memcpy(&pixels, image + u, sizeof pixels);
+    if (pixels == 0) {  // where nothing is valid, and on plain floor
+      counts[0][0] += tables;
+      continue;
+    }
     for (Histogram& table : counts) {
       ++table[pixels & 0xFF];
       pixels >>= 8;

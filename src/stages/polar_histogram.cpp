@@ -17,6 +17,9 @@ constexpr double farthest_focus = 1e7;
 // and around a focus inside the picture there is no end to them.
 constexpr double max_slope = 4.0;
 
+// More than any line of a beam is ever to the left of the picture, columns.
+constexpr int lift = 1 << 24;
+
 /// The focus in whole pixels, for Bresenham; one at infinity, where a level camera's lies but for
 /// rounding, is moved along the line through the picture's centre.
 struct WholePixel {
@@ -76,8 +79,9 @@ bool PolarBeam::aimFullView(const Focus& focus) {
     const double slope = d.x() / d.y();
     std::int16_t* column = writableColumns(i);
     for (int v = 0; v < end; ++v) {
-      const double u = start + slope * v + 0.5;  // the pixel is its integer part
-      if (u >= 0.0 && u < width_) column[v] = static_cast<std::int16_t>(u);
+      // Conversion cuts towards zero: lifted, that is down on either side of it.
+      const int u = static_cast<int>(start + slope * v + (lift + 0.5)) - lift;
+      column[v] = static_cast<std::int16_t>(u >= 0 && u < width_ ? u : outside);
     }
   }
   return true;
@@ -108,18 +112,30 @@ bool PolarBeam::aimSource(const Focus& focus) {
   return end_row > 0;
 }
 
-void PolarHistogram::count(const PolarBeam& beam, GrayView obstacle_mask) {
+void PolarBeam::sample(GrayView obstacle_mask) {
+  values_.resize(columns_.size());
+  const std::int16_t* column = columns_.data();
+  std::uint8_t* value = values_.data();
+  for (int i = 0; i < lines_; ++i, column += height_, value += height_) {
+    const std::uint8_t* row = obstacle_mask.data;
+    for (int v = 0; v < height_; ++v, row += obstacle_mask.stride)
+      value[v] = column[v] == outside ? mask::unseen : row[column[v]];
+  }
+}
+
+void PolarHistogram::count(const PolarBeam& beam) {
   const auto n = static_cast<std::size_t>(beam.lines());
   obstacle.assign(n, 0);
   seen.assign(n, 0);
   for (std::size_t i = 0; i < n; ++i) {
-    const std::int16_t* column = beam.columns(static_cast<int>(i));
+    const std::uint8_t* values = beam.values(static_cast<int>(i));
+    int obstacles = 0, unseen = 0;
     for (int v = 0; v < beam.height(); ++v) {
-      if (column[v] == PolarBeam::outside) continue;
-      const std::uint8_t value = obstacle_mask.at(column[v], v);
-      obstacle[i] += value == mask::obstacle;
-      seen[i] += value != mask::unseen;
+      obstacles += values[v] == mask::obstacle;
+      unseen += values[v] == mask::unseen;
     }
+    obstacle[i] = obstacles;
+    seen[i] = beam.height() - unseen;
   }
 }
 

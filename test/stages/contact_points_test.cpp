@@ -107,6 +107,7 @@ TEST(PaperContacts, EqualTheHardwareMachine) {
     ASSERT_TRUE(beam.aim(focus, 160, 120, 80, Beam::Source));
     ContactFinder finder;
     std::vector<LineContacts> lines;
+    beam.sample(picture.view());
     finder.find(beam, picture.view(), parameters, lines);
     ASSERT_EQ(lines.size(), 80U);
     for (int i = 0; i < 80; ++i) {
@@ -143,6 +144,7 @@ Answer follow(const Picture& picture, const LocalizationParameters& parameters =
   EXPECT_EQ(beam.columns(line)[0], column);
   ContactFinder finder;
   std::vector<LineContacts> lines;
+  beam.sample(picture.view());
   finder.find(beam, picture.view(), parameters, lines);
   Answer answer;
   answer.blocked_row = lines[line].blocked_row;
@@ -309,7 +311,9 @@ TEST(ContactFinder, GivesTheSameAnswerWhenReused) {
   ASSERT_TRUE(beam.aim(upright, 160, 120, 80, Beam::FullView));
   ContactFinder fresh, reused;
   std::vector<LineContacts> a, b;
+  beam.sample(first.view());
   reused.find(beam, first.view(), {}, b);
+  beam.sample(second.view());
   reused.find(beam, second.view(), {}, b);
   fresh.find(beam, second.view(), {}, a);
   ASSERT_EQ(fresh.contacts().size(), reused.contacts().size());

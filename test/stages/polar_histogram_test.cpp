@@ -209,7 +209,8 @@ TEST(PolarHistogram, CountsWhatTheLinesMeet) {
         for (int u = 0; u < 200; ++u)
           picture(u, v) = values[static_cast<std::size_t>(draw(random, 0, 2))];
       PolarHistogram histogram;
-      histogram.count(beam, picture.view());
+      beam.sample(picture.view());
+      histogram.count(beam);
       for (int i = 0; i < 80; ++i) {
         int obstacle = 0, seen = 0;
         for (int v = 0; v < 150; ++v) {

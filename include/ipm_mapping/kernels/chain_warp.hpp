@@ -13,7 +13,7 @@ namespace ipm_mapping::kernels {
 
 /// Sub-pixel steps of a sample's coordinates, and the mark of a sample outside the picture.
 inline constexpr int sample_steps = 128;
-inline constexpr std::uint8_t sample_outside = 255;
+inline constexpr std::uint16_t sample_outside = 0xFFFF;
 
 /// Where to sample: for each of `rows` x `width` pixels the upper left of four raw pixels and the
 /// way from it in steps of 1/128 px (0 ... 128). Rows are padded to whole blocks, with samples
@@ -25,15 +25,14 @@ class Samples {
   struct Row {
     std::int16_t* u;
     std::int16_t* v;
-    std::uint8_t* right;  ///< sample_outside: there is no sample
-    std::uint8_t* down;
+    std::uint16_t* way;  ///< right + 256 down; sample_outside: there is no sample
   };
 
   void resize(int width, int rows);
   [[nodiscard]] int paddedWidth() const { return padded_; }
   [[nodiscard]] Row row(int v) {
     const auto first = static_cast<std::ptrdiff_t>(v) * padded_;
-    return {u_.data() + first, v_.data() + first, right_.data() + first, down_.data() + first};
+    return {u_.data() + first, v_.data() + first, way_.data() + first};
   }
   /// Rounds raw coordinates into the sample (u, v) of a row; false where they lie more than half a
   /// step outside the W x H picture.
@@ -42,7 +41,7 @@ class Samples {
  private:
   int padded_ = 0;
   std::vector<std::int16_t> u_, v_;
-  std::vector<std::uint8_t> right_, down_;
+  std::vector<std::uint16_t> way_;
 };
 
 /// plumb_bob in single precision.

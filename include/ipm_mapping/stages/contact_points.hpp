@@ -28,7 +28,8 @@ struct LineContacts {
 /// obstacle pixels on the line along which `a` shrinks, and ends in a vertex: the contact.
 class ContactFinder {
  public:
-  /// lines: one entry a line of the beam. contacts(): all, line by line, top to bottom.
+  /// beam: has sampled obstacle_mask. lines: one entry a line of the beam. contacts(): all, line by
+  /// line, top to bottom.
   void find(const PolarBeam& beam, GrayView obstacle_mask, const LocalizationParameters& parameters,
             std::vector<LineContacts>& lines);
   [[nodiscard]] const std::vector<TriangleContact>& contacts() const { return contacts_; }

@@ -29,6 +29,14 @@ class PolarBeam {
     return columns_.data() + static_cast<std::ptrdiff_t>(line) * height_;
   }
 
+  /// Reads the mask along every line; obstacle_mask: mask::floor, unseen or obstacle, of the beam's
+  /// size.
+  void sample(GrayView obstacle_mask);
+  /// What line i met at the last sample(), one value a row; mask::unseen where columns() is outside.
+  [[nodiscard]] const std::uint8_t* values(int line) const {
+    return values_.data() + static_cast<std::ptrdiff_t>(line) * height_;
+  }
+
  private:
   bool aimFullView(const Focus& focus);
   bool aimSource(const Focus& focus);
@@ -42,6 +50,7 @@ class PolarBeam {
   int width_ = 0;
   int height_ = 0;
   std::vector<std::int16_t> columns_;
+  std::vector<std::uint8_t> values_;
 };
 
 /// What the pixels of every line of a beam say.
@@ -49,8 +58,8 @@ struct PolarHistogram {
   std::vector<int> obstacle;  ///< bear[i]: obstacle pixels on line i
   std::vector<int> seen;      ///< pixels on line i that are floor or obstacle
 
-  /// obstacle_mask: mask::floor, unseen or obstacle, of the beam's size.
-  void count(const PolarBeam& beam, GrayView obstacle_mask);
+  /// beam: sampled.
+  void count(const PolarBeam& beam);
 };
 
 }  // namespace ipm_mapping
