@@ -34,9 +34,8 @@ int highestRowInRange(const std::int16_t* column, int first, int lowest, const F
 
 Stretch measure(const LineOnMask& line, const FloorOfView& floor, double max_range) {
   const std::int16_t* column = line.columns;
-  const GrayView obstacle_mask = line.obstacle_mask;
   Stretch stretch;
-  int lowest = obstacle_mask.height - 1, first = 0;
+  int lowest = line.height - 1, first = 0;
   while (lowest >= 0 && column[lowest] == PolarBeam::outside) --lowest;
   while (first < lowest && column[first] == PolarBeam::outside) ++first;
   if (lowest < 0) return stretch;
@@ -44,7 +43,7 @@ Stretch measure(const LineOnMask& line, const FloorOfView& floor, double max_ran
   int near = -1, far = -1;
   bool broken = false;
   for (int v = lowest; v >= highest; --v) {
-    if (obstacle_mask.at(column[v], v) == mask::unseen) {
+    if (line.values[v] == mask::unseen) {
       broken = near >= 0;
       continue;
     }
@@ -83,10 +82,9 @@ Bearing floorBearing(const LineOnMask& line, const FloorOfView& floor, double ma
 
 int lowestRun(const LineOnMask& line, int min_pixels) {
   int run = 0;
-  for (int v = line.obstacle_mask.height - 1; v >= 0; --v) {
-    const int u = line.columns[v];
-    const bool obstacle = u != PolarBeam::outside && line.obstacle_mask.at(u, v) == mask::obstacle;
-    run = obstacle ? run + 1 : 0;
+  for (int v = line.height - 1; v >= 0; --v) {
+    const bool in_picture = line.columns[v] != PolarBeam::outside;
+    run = in_picture && line.values[v] == mask::obstacle ? run + 1 : 0;
     if (run == min_pixels) return v + min_pixels - 1;
   }
   return -1;

@@ -38,6 +38,7 @@ void FpgaDetector::setCamera(const CameraModel& camera, const CameraPose& T_base
   eroded_.ensure(camera.width(), camera.height());
   mask_.ensure(camera.width(), camera.height());
   columns_.resize(static_cast<std::size_t>(camera.height()));
+  values_.resize(columns_.size());
   reset();
 }
 
@@ -94,8 +95,10 @@ void FpgaDetector::layLine(int line) {
   fpga::BeamLine beam(line, word, ignored);
   const int rows = fpga::beamRows(word, camera_.height());
   for (int v = 0; v < rows; ++v, beam.step(ignored)) {
-    if (beam.column() >= 0 && beam.column() < camera_.width())
-      columns_[static_cast<std::size_t>(v)] = static_cast<std::int16_t>(beam.column());
+    if (beam.column() < 0 || beam.column() >= camera_.width()) continue;
+    const auto row = static_cast<std::size_t>(v);
+    columns_[row] = static_cast<std::int16_t>(beam.column());
+    values_[row] = mask_.at(beam.column(), v);
   }
 }
 
@@ -120,7 +123,7 @@ void FpgaDetector::describe(Obstacles& obstacles) {
   composeMask();
   for (int line = 0; line < fpga::line_count; ++line) {
     layLine(line);
-    const LineOnMask on_mask{columns_.data(), mask_.view()};
+    const LineOnMask on_mask{columns_.data(), values_.data(), camera_.height()};
     const auto i = static_cast<std::size_t>(line);
     std::optional<LineStop> stop;
     if (results.cor[i].found) {

@@ -35,7 +35,8 @@ struct LineStop {
 /// One line of pixels on the mask.
 struct LineOnMask {
   const std::int16_t* columns;  ///< one a row of the mask; PolarBeam::outside where not in it
-  GrayView obstacle_mask;       ///< mask::floor, unseen or obstacle
+  const std::uint8_t* values;   ///< of these pixels: mask::floor, unseen or obstacle
+  int height;                   ///< rows
 };
 
 /// What a line says about its bearing: free up to where the unbroken run of seen floor ends within

@@ -55,7 +55,8 @@ class FpgaDetector : public Detector {
   fpga::FrameSetup setup_;
   Image<fpga::TaggedPixel> gaussian_;
   Image<std::uint8_t> eroded_, mask_;
-  std::vector<std::int16_t> columns_;
+  std::vector<std::int16_t> columns_;  ///< of the line at hand, and the mask's values on it
+  std::vector<std::uint8_t> values_;
   std::vector<StageTime> times_;
 };
 

@@ -39,15 +39,10 @@ class Localization : public Locator {
   [[nodiscard]] const std::vector<Peak>& peaks() const { return peaks_; }
 
  private:
-<<<<<<< HEAD
   [[nodiscard]] std::optional<LineStop> stopOf(int line) const;
+  [[nodiscard]] LineOnMask lineOf(int line) const;
   [[nodiscard]] float densityOf(int line) const;
   void collectCandidates(const FloorOfView& floor, Obstacles& obstacles) const;
-=======
-  [[nodiscard]] Bearing describeBearing(int line, const LocalizationFloor& floor,
-                                        double max_range) const;
-  void collectCandidates(const LocalizationFloor& floor, Obstacles& obstacles) const;
->>>>>>> stages
   void selectContacts(Obstacles& obstacles);
 
   LocalizationParameters parameters_;
