@@ -26,6 +26,10 @@ FPGA_INLINE void storeVector(T* to, V v) {
 }
 
 FPGA_INLINE I32 all(std::int32_t value) { return value - I32{}; }
+/// Elements that are not valid may hold anything: their arithmetic wraps.
+FPGA_INLINE I32 wrappedDifference(I32 a, std::int32_t b) {
+  return (I32)((U32)a - (std::uint32_t)b);
+}
 FPGA_INLINE I32 columnIndices() {
   I32 index{};
   for (int i = 0; i < lanes; ++i) index[i] = i;
@@ -39,7 +43,7 @@ FPGA_INLINE I32 quotient(I32 numerator, int shift, I32 divisor, F32 scale) {
   const I32 q = FPGA_TO_INT(__builtin_convertvector(numerator, F32) * scale);
   const U32 remainder = ((U32)numerator << shift) - (U32)q * (U32)divisor;
   const I32 one = (numerator >> 31) | 1;
-  const I32 magnitude = (I32)remainder < 0 ? -(I32)remainder : (I32)remainder;
+  const I32 magnitude = (I32)((I32)remainder < 0 ? 0U - remainder : remainder);
   return (I32)((U32)q + (U32)((magnitude >= divisor) & one));
 }
 /// Relative steps below 1 that outweigh the rounding of an estimate: four roundings of 2^-24 in a
@@ -103,9 +107,9 @@ __attribute__((noinline)) NormalizedPoint saturatedBlock(const LensConstants& c,
 FPGA_INLINE NormalizedPoint normalizedBlock(const WarpConstants& c, I32 x, I32 y, I32 valid,
                                             LensCounts& counts) {
   const LensConstants& lens = c.lens;
-  const NormalizedPoint n{quotient(x - lens.cx, 16, all(lens.fx), c.x_scale),
-                          quotient(y - lens.cy, 16, all(lens.fy), c.y_scale)};
-  const I32 outside = ((U32)(n.x + 524288) > 1048575U) | ((U32)(n.y + 524288) > 1048575U);
+  const NormalizedPoint n{quotient(wrappedDifference(x, lens.cx), 16, all(lens.fx), c.x_scale),
+                          quotient(wrappedDifference(y, lens.cy), 16, all(lens.fy), c.y_scale)};
+  const I32 outside = (((U32)n.x + 524288U) > 1048575U) | (((U32)n.y + 524288U) > 1048575U);
   if (__builtin_expect(FPGA_ANY(outside & valid), 0)) {
     return saturatedBlock(lens, x, y, valid, counts);
   }
@@ -185,7 +189,7 @@ FPGA_INLINE std::int64_t addressRow(const WarpConstants& c, const CoordinateRow&
         distorted<HasK3>(c.lens, {loadVector<I32>(row.x + u), loadVector<I32>(row.y + u)}, valid);
     valid &= ((U32)pixel.u < (std::uint32_t)a.width) & ((U32)pixel.v < (std::uint32_t)a.height);
     near_write += valid & (pixel.v < a.near_write_below);
-    storeVector(offsets + u, valid & (pixel.v * a.stride + pixel.u));
+    storeVector(offsets + u, valid & (I32)((U32)pixel.v * (std::uint32_t)a.stride + (U32)pixel.u));
     storeVector(valid_bytes + u, __builtin_convertvector(valid, U8));
   }
   return counted(near_write);
