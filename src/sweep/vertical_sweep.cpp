@@ -144,7 +144,7 @@ float VerticalSweep::scoreOf(const CurrentView& current, const SweepReference* r
   const RowRange support = intersection(rows(beam), {contact - support_rows_, contact + 1});
   if (support.size() < 2) return 0.0F;
   std::array<Aim, max_references> aims;
-  for (int q = 0; q < count; ++q)
+  for (int q = 0; q < std::min(count, max_references); ++q)
     aims[static_cast<std::size_t>(q)] =
         aim(references[q],
             places_[static_cast<std::size_t>(q)][static_cast<std::size_t>(candidate)], support);
@@ -170,6 +170,7 @@ float VerticalSweep::scoreOf(const CurrentView& current, const SweepReference* r
 
 void VerticalSweep::evaluate(const CurrentView& current, const SweepReference* references,
                              int count, float least_score, SweepScores& scores) {
+  count = std::min(count, max_references);
   scores.score.ensure(candidates_, beams_);
   scores.top.ensure(candidates_, beams_);
   const auto least =

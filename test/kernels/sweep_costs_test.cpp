@@ -1,0 +1,309 @@
+#include "ipm_mapping/kernels/sweep_costs.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <random>
+#include <vector>
+
+#include "kernels/sweep_targets.hpp"
+
+namespace ipm_mapping {
+namespace {
+
+using test::withEverySweepTarget;
+
+template <class T>
+std::vector<T> randomValues(std::size_t count, int low, int high, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_int_distribution<int> value(low, high);
+  std::vector<T> values(count);
+  for (T& v : values) v = static_cast<T>(value(random));
+  return values;
+}
+
+constexpr int counts[] = {1, 5, 16, 37, 112};
+
+/// t^2 as the header defines it, in plain integers.
+int squaredDeviation(int difference, int weight) {
+  const int t = std::min(static_cast<int>((static_cast<long>(std::abs(difference)) * weight) >> 16),
+                         kernels::deviation_cap);
+  return t * t;
+}
+
+TEST(SweepCostKernels, SplittingAppliesGainAndOffsetToBothParities) {
+  const auto line = randomValues<std::uint8_t>(300, 0, 255, 1);
+  for (const int count : counts) {
+    for (const auto& [gain, offset] : {std::pair{16384, 0}, {20000, -900000}, {24000, 900000}}) {
+      withEverySweepTarget([&, n = count, g = gain, o = offset] {
+        std::vector<std::int16_t> even(200), odd(200);
+        kernels::splitRows(line.data(), g, o, n, even.data(), odd.data());
+        for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
+          const auto expected = [&](int byte) {
+            return std::clamp(static_cast<int>(std::floor((g * byte + o) / 512.0)), -8191, 8191);
+          };
+          ASSERT_EQ(even[i], expected(line[2 * i]));
+          ASSERT_EQ(odd[i], expected(line[2 * i + 1]));
+        }
+      });
+    }
+  }
+}
+
+TEST(SweepCostKernels, AGainOfOneKeepsGreyLevelsInTheirUnit) {
+  const std::vector<std::uint8_t> line{0, 1, 128, 255};
+  std::vector<std::int16_t> even(8), odd(8);
+  kernels::splitRows(line.data(), 16384, 0, 2, even.data(), odd.data());
+  EXPECT_EQ(even[1], 128 * kernels::grey_unit);
+  EXPECT_EQ(odd[1], 255 * kernels::grey_unit);
+}
+
+TEST(SweepCostKernels, NoiseWeightIsTheInverseStandardDeviation) {
+  const auto l = randomValues<std::uint8_t>(400, 0, 255, 2);
+  const auto h = randomValues<std::uint8_t>(400, 0, 255, 3);
+  const auto r = randomValues<std::uint8_t>(400, 0, 255, 4);
+  const kernels::NoiseTerms terms{0.34F, 0.009F, 0.08F, 0.3F};
+  const std::vector<float> along(200, 0.05F), bend(200, 0.2F);
+  const int stride = 3, first = 16;
+  for (const int count : counts) {
+    withEverySweepTarget([&, n = count] {
+      std::vector<std::uint16_t> weight(200);
+      kernels::noiseWeights(l.data() + first, h.data() + first, r.data() + first, stride,
+                            along.data(), bend.data(), terms, n, weight.data());
+      for (int i = 0; i < n; ++i) {
+        const auto j = static_cast<std::size_t>(first + 2 * i);
+        const double dl = r[j] - l[j], dr = h[j + stride] - h[j - stride];
+        const double L =
+            0.3 * (r[j] + l[j] - 2.0 * h[j]) + 0.2 * (h[j + stride] + h[j - stride] - 2.0 * h[j]);
+        const double variance = 0.34 + 0.009 * h[j] + 0.08 * dl * dl + 0.05 * dr * dr + L * L;
+        const double expected = 32768.0 / std::sqrt(std::max(variance, 0.26));
+        ASSERT_NEAR(weight[static_cast<std::size_t>(i)], expected, 1.0 + 1e-4 * expected) << i;
+      }
+    });
+  }
+}
+
+TEST(SweepCostKernels, PathResidualIsCurrentMinusBrightenedBilinearSample) {
+  const int rows = 120, lines = 30;
+  const auto image = randomValues<std::uint8_t>(rows * lines + 64, 0, 255, 5);
+  const auto row = randomValues<std::int32_t>(128, 0, (rows - 2) * 64, 6);
+  const auto line = randomValues<std::int32_t>(128, 0, (lines - 2) * 64, 7);
+  const auto current = randomValues<std::int16_t>(128, 0, 8160, 8);
+  const int gain = 17000, offset = -30000;
+  for (const int count : counts) {
+    withEverySweepTarget([&, n = count] {
+      std::vector<std::int16_t> residual(128);
+      kernels::pathResidual(image.data(), rows, row.data(), line.data(), gain, offset,
+                            current.data(), n, residual.data());
+      for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
+        const double a = (row[i] % 64) / 64.0, b = (line[i] % 64) / 64.0;
+        const std::uint8_t* p = image.data() + line[i] / 64 * rows + row[i] / 64;
+        const double sample =
+            (1 - b) * ((1 - a) * p[0] + a * p[1]) + b * ((1 - a) * p[rows] + a * p[rows + 1]);
+        const double expected = current[i] - 32.0 * (gain / 16384.0 * sample + offset / 16384.0);
+        ASSERT_NEAR(residual[i], expected, 2.1) << i;  // two roundings down, one of them amplified
+      }
+    });
+  }
+}
+
+TEST(SweepCostKernels, PathResidualIsTheSameOnEveryTarget) {
+  const int rows = 90;
+  const auto image = randomValues<std::uint8_t>(90 * 20 + 64, 0, 255, 9);
+  const auto row = randomValues<std::int32_t>(112, 0, 88 * 64, 10);
+  const auto line = randomValues<std::int32_t>(112, 0, 18 * 64, 11);
+  const auto current = randomValues<std::int16_t>(112, 0, 8160, 12);
+  std::vector<std::int16_t> first;
+  withEverySweepTarget([&] {
+    std::vector<std::int16_t> residual(112);
+    kernels::pathResidual(image.data(), rows, row.data(), line.data(), 15000, 2000, current.data(),
+                          112, residual.data());
+    if (first.empty()) first = residual;
+    EXPECT_EQ(residual, first);
+  });
+}
+
+TEST(SweepCostKernels, WindowMeanLeavesOutMissingResiduals) {
+  const int count = 40, half = 3;
+  auto residual = randomValues<std::int16_t>(count, -900, 900, 13);
+  for (const std::size_t gone : {0U, 7U, 8U, 9U, 10U, 11U, 12U, 13U, 14U, 39U})
+    residual[gone] = kernels::no_residual;
+  withEverySweepTarget([&] {
+    std::vector<std::int32_t> sum(count), number(count), sums(1), numbers(1);
+    kernels::accumulateResidual(residual.data(), 1, count, sum.data(), number.data());
+    kernels::accumulateResidual(residual.data(), 1, count, sum.data(), number.data());
+    kernels::accumulateResidual(residual.data(), -1, count, sum.data(), number.data());
+    for (int k = -half; k < count + half; ++k) {
+      const bool inside = k >= 0 && k < count;
+      sums.push_back(sums.back() + (inside ? sum[static_cast<std::size_t>(k)] : 0));
+      numbers.push_back(numbers.back() + (inside ? number[static_cast<std::size_t>(k)] : 0));
+    }
+    std::vector<std::int16_t> mean(count);
+    kernels::windowMean(sums.data(), numbers.data(), half, count, mean.data());
+    for (int i = 0; i < count; ++i) {
+      double total = 0.0;
+      int there = 0;
+      for (int k = std::max(0, i - half); k <= std::min(count - 1, i + half); ++k) {
+        if (residual[static_cast<std::size_t>(k)] == kernels::no_residual) continue;
+        total += residual[static_cast<std::size_t>(k)];
+        ++there;
+      }
+      ASSERT_NEAR(mean[static_cast<std::size_t>(i)], there ? total / there : 0.0, 1.0) << i;
+    }
+  });
+}
+
+TEST(SweepCostKernels, FloorCostTakesTheKinderOfPlainAndDriftingResidual) {
+  const auto residual = randomValues<std::int16_t>(112, -3000, 3000, 14);
+  const auto mean = randomValues<std::int16_t>(112, -3000, 3000, 15);
+  const auto weight = randomValues<std::uint16_t>(112, 0, 60000, 16);
+  for (const int count : counts) {
+    withEverySweepTarget([&, n = count] {
+      std::vector<std::uint16_t> squares(128, 100);
+      kernels::accumulateFloorCost(residual.data(), mean.data(), weight.data(), n, squares.data());
+      for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
+        const int e = std::min(std::abs(residual[i]), std::abs(residual[i] - mean[i]));
+        ASSERT_EQ(squares[i], 100 + squaredDeviation(e, weight[i])) << i;
+      }
+      EXPECT_EQ(squares[static_cast<std::size_t>(n)], 100);
+    });
+  }
+}
+
+TEST(SweepCostKernels, OneMissingLineTakesTheCostAwayForGood) {
+  std::vector<std::int16_t> residual{100, kernels::no_residual, 100}, zero(3);
+  const std::vector<std::uint16_t> weight(3, 30000);
+  std::vector<std::uint16_t> squares(3);
+  kernels::accumulateFloorCost(residual.data(), zero.data(), weight.data(), 3, squares.data());
+  residual[1] = 50;
+  kernels::accumulateFloorCost(residual.data(), zero.data(), weight.data(), 3, squares.data());
+  EXPECT_EQ(squares[1], kernels::no_cost);
+  EXPECT_EQ(squares[0], 2 * squaredDeviation(100, 30000));
+}
+
+TEST(SweepCostKernels, LoweringNeverRaisesAndNeverInvents) {
+  const std::vector<std::uint16_t> other{100, 900, 0, 18432};
+  std::vector<std::uint16_t> cost{500, 500, kernels::no_cost, 5000};
+  kernels::lowerTo(other.data(), 50, 4, cost.data());
+  EXPECT_EQ(cost, (std::vector<std::uint16_t>{150, 500, kernels::no_cost, 5000}));
+}
+
+TEST(SweepCostKernels, EvidenceIsTheCappedFloorMinusTheVertical) {
+  const auto floor = randomValues<std::uint16_t>(112, 0, 18432, 17);
+  const auto vertical = randomValues<std::uint16_t>(112, 0, 18432, 18);
+  const auto weight = randomValues<std::int32_t>(112, 20, 1300, 19);
+  for (const int count : counts) {
+    withEverySweepTarget([&, n = count] {
+      auto seen = floor;
+      seen[0] = kernels::no_cost;
+      std::vector<std::int32_t> evidence(128, 10);
+      kernels::accumulateEvidence(seen.data(), vertical.data(), weight.data(), 5120, 102, n,
+                                  evidence.data());
+      EXPECT_EQ(evidence[0], 10) << "an unseen row says nothing";
+      for (std::size_t i = 1; i < static_cast<std::size_t>(n); ++i) {
+        const double gain = std::min<int>(floor[i], 5120) - static_cast<int>(vertical[i]) - 102;
+        ASSERT_EQ(evidence[i], 10 + static_cast<int>(std::floor(gain * weight[i] / 256.0))) << i;
+      }
+    });
+  }
+}
+
+TEST(SweepCostKernels, BlockSumsAddEightBytes) {
+  const auto bytes = randomValues<std::uint8_t>(8 * 37, 0, 255, 20);
+  withEverySweepTarget([&] {
+    std::vector<std::int32_t> sums(37, 5);
+    kernels::addBlockSums(bytes.data(), 37, sums.data());
+    for (std::size_t b = 0; b < 37; ++b) {
+      int expected = 5;
+      for (std::size_t k = 0; k < 8; ++k) expected += bytes[8 * b + k];
+      ASSERT_EQ(sums[b], expected);
+    }
+  });
+}
+
+TEST(SweepCostKernels, NodesAreJoinedByStraightLines) {
+  const std::vector<std::int32_t> nodes{1024, 9216, -5120};
+  withEverySweepTarget([&] {
+    std::vector<std::int32_t> out(16);
+    kernels::interpolateNodes(nodes.data(), 2, out.data());
+    for (int i = 0; i < 16; ++i) {
+      const double t = i % 8 / 8.0;
+      const auto b = static_cast<std::size_t>(i / 8);
+      const double expected = ((1 - t) * nodes[b] + t * nodes[b + 1]) / 16.0;
+      ASSERT_NEAR(out[static_cast<std::size_t>(i)], expected, 1.0) << i;
+    }
+  });
+}
+
+/// Eight lines of noise in the current view; the reference shows them moved by a fraction.
+struct VerticalCase {
+  static constexpr int stride = 150;
+  std::vector<std::int16_t> current = randomValues<std::int16_t>(stride * 9, 0, 8160, 21);
+  std::vector<std::int16_t> upper = randomValues<std::int16_t>(stride * 10, -8000, 8160, 22);
+  std::vector<std::int16_t> lower = randomValues<std::int16_t>(stride * 10, -8000, 8160, 23);
+  std::vector<std::uint16_t> weight = randomValues<std::uint16_t>(stride * 9, 200, 60000, 24);
+
+  [[nodiscard]] kernels::VerticalPath path(double row_fraction, double line_fraction) const {
+    kernels::VerticalPath p;
+    p.current = current.data();
+    p.weight = weight.data();
+    p.stride = stride;
+    p.upper = upper.data();
+    p.lower = lower.data();
+    p.row_fraction = static_cast<std::int16_t>(row_fraction * 32767);
+    p.line_fraction = static_cast<std::int16_t>(line_fraction * 32767);
+    return p;
+  }
+  /// Grey level of the reference between rows and lines, in exact arithmetic.
+  [[nodiscard]] double seen(int k, int i, double a, double b) const {
+    const auto blend = [&](int line) {
+      const auto at = static_cast<std::size_t>(line * stride + i);
+      return upper[at] + a * (lower[at] - upper[at]);
+    };
+    return blend(k) + b * (blend(k + 1) - blend(k));
+  }
+};
+
+TEST(SweepCostKernels, VerticalCostSumsEightInterpolatedLines) {
+  const VerticalCase data;
+  for (const double a : {0.0, 0.3, 0.99}) {
+    for (const double b : {0.0, 0.7}) {
+      withEverySweepTarget([&] {
+        std::vector<std::uint16_t> cost(112 + kernels::overrun);
+        kernels::verticalCost(data.path(a, b), 112, cost.data());
+        for (int i = 0; i < 112; ++i) {
+          double low = 0, high = 0;  // the fixed point may be off by three units
+          for (int k = 0; k < kernels::beam_lines; ++k) {
+            const auto at = static_cast<std::size_t>(k * VerticalCase::stride + i);
+            const double e = std::abs(data.current[at] - data.seen(k, i, a, b));
+            const auto t = [&](double x) {
+              return std::clamp(std::floor(x * data.weight[at] / 65536.0), 0.0, 48.0);
+            };
+            low += t(e - 3) * t(e - 3);
+            high += t(e + 3) * t(e + 3);
+          }
+          const int got = cost[static_cast<std::size_t>(i)];
+          ASSERT_GE(got, low) << i;
+          ASSERT_LE(got, high) << i;
+        }
+      });
+    }
+  }
+}
+
+TEST(SweepCostKernels, VerticalCostIsTheSameOnEveryTarget) {
+  const VerticalCase data;
+  std::vector<std::uint16_t> first;
+  withEverySweepTarget([&] {
+    std::vector<std::uint16_t> cost(97 + kernels::overrun);
+    kernels::verticalCost(data.path(0.41, 0.83), 97, cost.data());
+    cost.resize(97);
+    if (first.empty()) first = cost;
+    EXPECT_EQ(cost, first);
+  });
+}
+
+}  // namespace
+}  // namespace ipm_mapping
