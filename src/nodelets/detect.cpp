@@ -15,7 +15,7 @@ namespace ipm_mapping {
 /// Camera and odometry in, obstacles out: any detector in one piece, `detector/kind` names it.
 class Detect : public StageNodelet {
   void start() override {
-    const Parameters parameters = loadParameters(privateNode());
+    const Parameters& parameters = parameters_ = loadParameters(privateNode());
     detector_ = makeDetector(parameters);
     source_.emplace(
         node(), privateNode(), parameters, monitor(),
@@ -43,9 +43,14 @@ class Detect : public StageNodelet {
   }
 
   void change(const Parameters& changed) {
+    obstacle_outputs_->setParameters(changed.output);
+    Parameters same = changed;
+    same.output = parameters_.output;
+    const bool only_output = toConfig(same, liveGroups()) == toConfig(parameters_, liveGroups());
+    parameters_ = changed;
+    if (only_output) return;
     detector_ = makeDetector(changed);
     source_->setParameters(changed.camera);
-    obstacle_outputs_->setParameters(changed.output);
   }
 
   void setAwake(bool awake) {
@@ -64,6 +69,7 @@ class Detect : public StageNodelet {
     return status;
   }
 
+  Parameters parameters_;
   std::unique_ptr<Detector> detector_;
   Obstacles obstacles_;
   std::optional<FrameSource> source_;

@@ -34,6 +34,7 @@ class Ipm : public StageNodelet {
                     source_->setParameters(changed.camera);
                   });
     difference_ = outputs_.advertise<DifferenceImage>(node(), "difference");
+    difference_image_ = outputs_.advertiseImage(node(), "difference/image");
     rectified_ = outputs_.advertiseImage(node(), "image_rect");
     warped_ = outputs_.advertiseImage(node(), "warped");
   }
@@ -57,6 +58,9 @@ class Ipm : public StageNodelet {
       publishPicture(rectified_, ipm_->rectified(), info.header);
       publishPicture(warped_, ipm_->warped(), info.header);
       difference_.publish(message);
+      GrayView difference;
+      if (!wrapMono8(message->image, difference))
+        publishPicture(difference_image_, difference, info.header);
     }
     ipm_->remember();
     return status;
@@ -67,7 +71,7 @@ class Ipm : public StageNodelet {
   LazyOutputs outputs_{[this](bool awake) { setAwake(awake); }};
   std::optional<LiveParameters> live_;
   ros::Publisher difference_;
-  image_transport::Publisher rectified_, warped_;
+  image_transport::Publisher difference_image_, rectified_, warped_;
 };
 
 }  // namespace ipm_mapping

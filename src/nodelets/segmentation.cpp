@@ -28,6 +28,7 @@ class SegmentationNodelet : public StageNodelet {
     monitor().expect(node().resolveName("difference"));
     monitor().setAsleep(true);
     mask_ = outputs_.advertise<ObstacleMask>(node(), "mask");
+    mask_image_ = outputs_.advertiseImage(node(), "mask/image");
     blurred_ = outputs_.advertiseImage(node(), "blurred");
   }
 
@@ -69,6 +70,8 @@ class SegmentationNodelet : public StageNodelet {
     monitor().set("threshold", result.threshold);
     monitor().set("separability", result.separability);
     mask_.publish(message);
+    GrayView mask;
+    if (!wrap(*message, mask)) publishPicture(mask_image_, mask, input.header);
     publishPicture(blurred_, segmentation_->blurred(), input.header);
     monitor().used(input.header.stamp);
   }
@@ -79,7 +82,7 @@ class SegmentationNodelet : public StageNodelet {
   LazyOutputs outputs_{[this](bool awake) { setAwake(awake); }};
   std::optional<LiveParameters> live_;
   ros::Publisher mask_;
-  image_transport::Publisher blurred_;
+  image_transport::Publisher mask_image_, blurred_;
   ros::Subscriber difference_;
 };
 
