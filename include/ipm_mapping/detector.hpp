@@ -53,9 +53,6 @@ class Detector {
   virtual FrameStatus process(const Frame& frame, Obstacles& obstacles) = 0;
   /// Stage times of the last processed frame, in order.
   [[nodiscard]] virtual const std::vector<StageTime>& stageTimes() const = 0;
-  /// Undistorted current picture of the last used frame, W x H (for overlays); empty when the
-  /// detector makes none.
-  [[nodiscard]] virtual GrayView rectified() const { return {}; }
   /// Short name, as in `detector: sweep`.
   [[nodiscard]] virtual const char* id() const = 0;
 };

@@ -17,9 +17,10 @@ enum class GateDrop : std::uint8_t {
   TooOld,       ///< odometry no longer reaches back to the stamp
   OdometryGap,  ///< odometry messages too far apart around the stamp
   OutOfOrder,   ///< stamp not newer than the frame before it
-  BadStamp      ///< not finite
+  BadStamp,     ///< not finite
+  ClockJump     ///< it waited for odometry when the clock was set back
 };
-inline constexpr int gate_drop_count = 6;
+inline constexpr int gate_drop_count = 7;
 [[nodiscard]] const char* name(GateDrop reason);
 
 /// Holds frames until odometry has passed their stamps, then releases them in order with their
@@ -43,7 +44,7 @@ class FrameGate {
     const OdometryVerdict v = odometry_.add(stamp, T_odom_base);
     if (verdict) *verdict = v;
     if (v == OdometryVerdict::TimeJump) {
-      waiting_.clear();
+      dropWaiting(GateDrop::ClockJump);
       last_stamp_ = -1e300;
     }
     return startsAnew(v);
@@ -63,7 +64,7 @@ class FrameGate {
       }
       // Odometry of before the jump must not serve frames of after it.
       if (odometry_.newest().value_or(stamp) - stamp > clock_jump_seconds) odometry_.clear();
-      waiting_.clear();
+      dropWaiting(GateDrop::ClockJump);
       jumped = true;
     }
     last_stamp_ = stamp;
@@ -93,9 +94,7 @@ class FrameGate {
   }
 
   /// Frames that still wait when the input ends: they are dropped and counted.
-  void finish() {
-    for (; !waiting_.empty(); waiting_.pop_front()) count(GateDrop::NoOdometry);
-  }
+  void finish() { dropWaiting(GateDrop::NoOdometry); }
 
   [[nodiscard]] std::uint64_t dropped(GateDrop reason) const {
     return drops_[static_cast<std::size_t>(reason)];
@@ -109,6 +108,9 @@ class FrameGate {
   /// Odometry stands still while newer frames arrive.
   [[nodiscard]] bool overdue() const {
     return last_stamp_ - waiting_.front().stamp > parameters_.wait;
+  }
+  void dropWaiting(GateDrop reason) {
+    for (; !waiting_.empty(); waiting_.pop_front()) count(reason);
   }
   void count(GateDrop reason) { ++drops_[static_cast<std::size_t>(reason)]; }
 

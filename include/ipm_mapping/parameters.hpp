@@ -7,24 +7,28 @@
 
 #include "ipm_mapping/parameters/birds_eye_parameters.hpp"
 #include "ipm_mapping/parameters/chain_parameters.hpp"
+#include "ipm_mapping/parameters/fpga_parameters.hpp"
 #include "ipm_mapping/parameters/map_parameters.hpp"
 #include "ipm_mapping/parameters/robot_parameters.hpp"
+#include "ipm_mapping/parameters/sweep_parameters.hpp"
 
 namespace ipm_mapping {
 
-enum class DetectorKind { Chain, FirstArchitecture };
+enum class DetectorKind { Sweep, Chain, FirstArchitecture, Fpga };
 template <>
-inline constexpr std::array<const char*, 2> enum_names<DetectorKind>{"chain", "first_architecture"};
+inline constexpr std::array<const char*, 4> enum_names<DetectorKind>{"sweep", "chain",
+                                                                     "first_architecture", "fpga"};
 
 /// What finds the obstacles.
 struct DetectorParameters {
-  DetectorKind kind = DetectorKind::Chain;
+  DetectorKind kind = DetectorKind::Sweep;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& field) {
     field("kind", self.kind,
-          "chain: the source's difference, segmentation and localisation; first_architecture: the "
-          "same with a bird's-eye view and radial histograms");
+          "sweep: our own, floor against vertical line; chain: the source's difference, "
+          "segmentation and localisation; first_architecture: the "
+          "same with a bird's-eye view and radial histograms; fpga: the bit-true model");
   }
 };
 
@@ -37,6 +41,9 @@ struct Parameters {
   SegmentationParameters segmentation;
   LocalizationParameters localization;
   BirdsEyeParameters birds_eye;
+  sweep::SweepParameters sweep;
+  FpgaParameters fpga;
+  FpgaClockParameters fpga_clock;
   MapParameters map;
   OutputParameters output;
 
@@ -50,6 +57,9 @@ struct Parameters {
     group("segmentation", self.segmentation);
     group("localization", self.localization);
     group("birds_eye", self.birds_eye);
+    group("sweep", self.sweep);
+    group("fpga", self.fpga);
+    group("fpga_clock", self.fpga_clock);
     group("map", self.map);
     group("output", self.output);
   }

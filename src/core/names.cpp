@@ -53,6 +53,8 @@ const char* name(GateDrop reason) {
       return "out_of_order";
     case GateDrop::BadStamp:
       return "bad_stamp";
+    case GateDrop::ClockJump:
+      return "clock_jump";
   }
   return "unknown";
 }

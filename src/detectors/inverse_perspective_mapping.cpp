@@ -1,26 +1,9 @@
 #include "ipm_mapping/detectors/inverse_perspective_mapping.hpp"
 
+#include "ipm_mapping/detectors/reference_status.hpp"
 #include "ipm_mapping/stages/difference.hpp"
 
 namespace ipm_mapping {
-namespace {
-
-FrameStatus statusOf(ReferenceVerdict verdict) {
-  switch (verdict) {
-    case ReferenceVerdict::Chosen:
-      return FrameStatus::Used;
-    case ReferenceVerdict::NoMotion:
-      return FrameStatus::NoMotion;
-    case ReferenceVerdict::NoReference:
-      return FrameStatus::NoReference;
-    case ReferenceVerdict::TooMuchRotation:
-      return FrameStatus::TooMuchRotation;
-  }
-  return FrameStatus::NoReference;
-}
-
-}  // namespace
-
 InversePerspectiveMapping::InversePerspectiveMapping(const ReferenceParameters& parameters)
     : references_(parameters) {}
 
@@ -51,7 +34,7 @@ FrameStatus InversePerspectiveMapping::select(const Frame& frame, GroundView& vi
     return FrameStatus::SizeMismatch;
   frame_ = frame;
   const ReferenceSelector::Choice choice = references_.choose(frame.stamp, frame.T_odom_base);
-  if (choice.verdict != ReferenceVerdict::Chosen) return statusOf(choice.verdict);
+  if (choice.verdict != ReferenceVerdict::Chosen) return frameStatus(choice.verdict);
   reference_ = choice.reference;
   view = {frame.stamp,    reference_->stamp, camera_,
           T_base_camera_, frame.T_odom_base, choice.motion};

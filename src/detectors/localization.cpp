@@ -6,66 +6,6 @@
 #include "ipm_mapping/stages/obstacle_mask.hpp"
 
 namespace ipm_mapping {
-namespace {
-
-using Floor = LocalizationFloor;
-
-/// The stretch of floor that one line sees within the range that is looked at.
-struct Stretch {
-  int rows = 0;       ///< rows on the floor within range
-  int seen = 0;       ///< of these, seen by both frames
-  double near = 0.0;  ///< metres from the foot: lowest seen row
-  double far = 0.0;   ///< highest row of the unbroken run that starts there
-  Eigen::Vector2d far_point{1.0, 0.0};
-};
-
-/// Rows of a line from `lowest` up to where its floor leaves the range. The distance to the base
-/// origin is a convex function along a ray from the camera's foot: it leaves the range once.
-int highestRowInRange(const std::int16_t* column, int first, int lowest, const Floor& floor,
-                      double max_range) {
-  const auto inside = [&](int v) {
-    const auto point = floor.at(column[v], v);
-    return point && point->norm() <= max_range;
-  };
-  if (!inside(lowest)) return lowest + 1;
-  int in = lowest, out = first - 1;
-  while (in - out > 1) {
-    const int middle = (in + out) / 2;
-    (inside(middle) ? in : out) = middle;
-  }
-  return in;
-}
-
-Stretch measure(const PolarBeam& beam, int line, const Floor& floor, double max_range) {
-  const std::int16_t* column = beam.columns(line);
-  const std::uint8_t* values = beam.values(line);
-  Stretch stretch;
-  int lowest = beam.height() - 1, first = 0;
-  while (lowest >= 0 && column[lowest] == PolarBeam::outside) --lowest;
-  while (first < lowest && column[first] == PolarBeam::outside) ++first;
-  if (lowest < 0) return stretch;
-  const int highest = highestRowInRange(column, first, lowest, floor, max_range);
-  int near = -1, far = -1;
-  bool broken = false;
-  for (int v = lowest; v >= highest; --v) {
-    if (values[v] == mask::unseen) {
-      broken = near >= 0;
-      continue;
-    }
-    if (near < 0) near = v;
-    if (!broken) far = v;
-    ++stretch.seen;
-  }
-  stretch.rows = lowest - highest + 1;
-  if (near < 0) return stretch;
-  stretch.near = (*floor.at(column[near], near) - floor.foot).norm();
-  stretch.far_point = *floor.at(column[far], far);
-  stretch.far = (stretch.far_point - floor.foot).norm();
-  return stretch;
-}
-
-}  // namespace
-
 double effectiveMaxRange(double parameter, const CameraModel& camera,
                          const CameraPose& T_base_camera) {
   if (parameter > 0.0) return parameter;
@@ -73,39 +13,29 @@ double effectiveMaxRange(double parameter, const CameraModel& camera,
   return std::isfinite(near) ? std::max(2.0, 3.0 * near) : 2.0;
 }
 
-Bearing Localization::describeBearing(int line, const Floor& floor, double max_range) const {
-  const auto i = static_cast<std::size_t>(line);
-  const std::int16_t* column = beam_.columns(line);
-  const Stretch stretch = measure(beam_, line, floor, max_range);
-  Bearing bearing;
-  bearing.angle = floor.angle(stretch.far_point);
-  bearing.near = static_cast<float>(stretch.near);
-  bearing.range = static_cast<float>(stretch.far);
-  if (histogram_.seen[i] > 0)
-    bearing.density =
-        static_cast<float>(histogram_.obstacle[i]) / static_cast<float>(histogram_.seen[i]);
-  if (stretch.seen > 0 && stretch.seen >= parameters_.min_floor_share * stretch.rows)
-    bearing.state = BearingState::Free;
-
-  const auto occupy = [&](int u, int v, BearingState state) {
-    const auto p = floor.at(u, v);
-    if (!p || p->norm() > max_range) return;
-    bearing.angle = floor.angle(*p);
-    bearing.range = static_cast<float>((*p - floor.foot).norm());
-    bearing.state = state;
-  };
-  // What stops the line nearer to the robot, a contact or a blob without one, decides.
-  const LineContacts& found = lines_[i];
+std::optional<LineStop> Localization::stopOf(int line) const {
+  const LineContacts& found = lines_[static_cast<std::size_t>(line)];
   const TriangleContact* contact =
       found.nearest < 0 ? nullptr : &finder_.contacts()[static_cast<std::size_t>(found.nearest)];
+  // What stands nearer to the robot on the line, a contact or a blob without one, decides.
   if (found.blocked_row >= 0 && (contact == nullptr || found.blocked_row > contact->v))
-    occupy(column[found.blocked_row], found.blocked_row, BearingState::Blocked);
-  else if (contact != nullptr)
-    occupy(contact->u, contact->v, BearingState::Occupied);
-  return bearing;
+    return LineStop{beam_.columns(line)[found.blocked_row], found.blocked_row,
+                    BearingState::Blocked};
+  if (contact == nullptr) return std::nullopt;
+  return LineStop{contact->u, contact->v, BearingState::Occupied};
 }
 
-void Localization::collectCandidates(const Floor& floor, Obstacles& obstacles) const {
+LineOnMask Localization::lineOf(int line) const {
+  return {beam_.columns(line), beam_.values(line), beam_.height()};
+}
+
+float Localization::densityOf(int line) const {
+  const auto i = static_cast<std::size_t>(line);
+  if (histogram_.seen[i] == 0) return 0.0F;
+  return static_cast<float>(histogram_.obstacle[i]) / static_cast<float>(histogram_.seen[i]);
+}
+
+void Localization::collectCandidates(const FloorOfView& floor, Obstacles& obstacles) const {
   for (const TriangleContact& c : finder_.contacts()) {
     const auto p = floor.at(c.u, c.v);
     if (!p || p->norm() > obstacles.max_range) continue;
@@ -178,9 +108,11 @@ FrameStatus Localization::process(const GroundView& view, GrayView obstacle_mask
   findPeaks(histogram_.obstacle, parameters_.single_bin_peaks, peaks_);  // §3.7
   groupPeaks(histogram_.obstacle, parameters_.free_space_rule, parameters_.valley_threshold,
              peaks_);
-  const Floor floor{view.currentFloor(), view.cameraFoot()};
+  const FloorOfView floor(view);
   for (int line = 0; line < beam_.lines(); ++line)
-    obstacles.bearings.push_back(describeBearing(line, floor, obstacles.max_range));
+    obstacles.bearings.push_back(floorBearing(lineOf(line), floor, obstacles.max_range,
+                                              parameters_.min_floor_share, densityOf(line),
+                                              stopOf(line)));
   collectCandidates(floor, obstacles);  // eq. 5.18
   selectContacts(obstacles);            // §5.4.1
   return FrameStatus::Used;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <sstream>
+#include <vector>
 
 namespace ipm_mapping {
 namespace {
@@ -12,19 +13,32 @@ double derivativeOfRadial(const Distortion& d, double q) {
   return 1.0 + q * (3.0 * d.k1 + q * (5.0 * d.k2 + q * 7.0 * d.k3));
 }
 
-/// Smallest positive root q of 1 + 3 k1 q + 5 k2 q^2 + 7 k3 q^3: scanned for the first change of
-/// sign, then bisected. No lens that this package accepts sees beyond r = 10 (84 degrees).
+/// Smallest positive root q of 1 + 3 k1 q + 5 k2 q^2 + 7 k3 q^3, infinity where there is none. The
+/// cubic is monotonic between the roots of its derivative: the first such stretch on which it falls
+/// to 0 holds the root.
 double firstTurningPoint(const Distortion& d) {
-  constexpr double highest = 100.0;
-  constexpr int steps = 100000;
+  constexpr double far = 1e9;
+  std::vector<double> ends;
+  const double a = 21.0 * d.k3, b = 10.0 * d.k2, c = 3.0 * d.k1;
+  const double discriminant = b * b - 4.0 * a * c;
+  if (a != 0.0 && discriminant >= 0.0) {
+    const double q = -0.5 * (b + std::copysign(std::sqrt(discriminant), b));
+    ends.push_back(q / a);
+    if (q != 0.0) ends.push_back(c / q);
+  } else if (a == 0.0 && b != 0.0) {
+    ends.push_back(-c / b);
+  }
+  ends.push_back(far);
+  std::sort(ends.begin(), ends.end());
   double low = 0.0;
-  for (int i = 1; i <= steps; ++i) {
-    double high = highest * i / steps;
-    if (derivativeOfRadial(d, high) > 0.0) {
-      low = high;
+  for (const double end : ends) {
+    if (!(end > low)) continue;
+    if (derivativeOfRadial(d, end) > 0.0) {
+      low = end;
       continue;
     }
-    for (int k = 0; k < 60; ++k) {
+    double high = end;
+    for (int i = 0; i < 200 && high - low > 1e-15 * high; ++i) {
       const double middle = 0.5 * (low + high);
       (derivativeOfRadial(d, middle) > 0.0 ? low : high) = middle;
     }
@@ -69,6 +83,25 @@ Distortion CameraModel::distortionFrom(const std::vector<double>& D) {
   std::array<double, 5> c{};
   std::copy_n(D.begin(), std::min<std::size_t>(D.size(), c.size()), c.begin());
   return {c[0], c[1], c[2], c[3], c[4]};
+}
+
+bool CameraModel::undistortPixel(double u_raw, double v_raw, double& u, double& v) const {
+  const Intrinsics& k = intrinsics_;
+  const double x_raw = (u_raw - k.cx) / k.fx, y_raw = (v_raw - k.cy) / k.fy;
+  double x = x_raw, y = y_raw;
+  for (int i = 0; i < 100; ++i) {
+    double u_now = 0.0, v_now = 0.0;
+    if (!distortNormalized(x, y, u_now, v_now)) return false;
+    const double dx = (u_raw - u_now) / k.fx, dy = (v_raw - v_now) / k.fy;
+    x += dx;
+    y += dy;
+    if (std::abs(dx) + std::abs(dy) < 1e-9) {
+      u = k.fx * x + k.cx;
+      v = k.fy * y + k.cy;
+      return true;
+    }
+  }
+  return false;
 }
 
 CameraPose cameraPose(double x, double y, double z, double pitch, double yaw, double roll) {

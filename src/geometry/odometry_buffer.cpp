@@ -22,32 +22,71 @@ const char* name(OdometryVerdict verdict) {
       return "out_of_order";
     case OdometryVerdict::TimeJump:
       return "time_jump";
+    case OdometryVerdict::Outlier:
+      return "outlier";
     case OdometryVerdict::PoseJump:
       return "pose_jump";
   }
   return "unknown";
 }
 
+void OdometryBuffer::clear() {
+  poses_.clear();
+  suspect_.reset();
+}
+
+bool OdometryBuffer::jumps(const StampedPose& from, double stamp, const SE2& T_odom_base) const {
+  const SE2 step = from.T_odom_base.inverse() * T_odom_base;
+  // Messages that nearly coincide would make any noise look fast.
+  const double seconds = std::max(stamp - from.stamp, 0.01);
+  return step.distance() > parameters_.max_speed * seconds ||
+         std::abs(step.theta) > parameters_.max_turn_rate * seconds;
+}
+
+bool OdometryBuffer::leavesTrack(double stamp, const SE2& T_odom_base) const {
+  if (poses_.size() < 2) return false;
+  const StampedPose& last = poses_.back();
+  const StampedPose& before = poses_[poses_.size() - 2];
+  const double seconds = stamp - last.stamp;
+  const double share = seconds / std::max(last.stamp - before.stamp, 0.01);
+  const SE2 was = before.T_odom_base.inverse() * last.T_odom_base;
+  const SE2 expected{share * was.x, share * was.y, share * was.theta};
+  const SE2 deviation = expected.inverse() * (last.T_odom_base.inverse() * T_odom_base);
+  const double allowance = std::max(1.0, seconds / 0.1);
+  return deviation.distance() > parameters_.max_jump * allowance ||
+         std::abs(deviation.theta) > parameters_.max_turn_jump * allowance;
+}
+
 OdometryVerdict OdometryBuffer::judge(double stamp, const SE2& T_odom_base) const {
   if (!std::isfinite(stamp) || !T_odom_base.finite()) return OdometryVerdict::NotFinite;
   if (poses_.empty()) return OdometryVerdict::Accepted;
-  const StampedPose& last = poses_.back();
-  const double dt = stamp - last.stamp;
-  if (dt == 0.0) return OdometryVerdict::Duplicate;
-  if (dt < -clock_jump_seconds) return OdometryVerdict::TimeJump;
-  if (dt < 0.0) return OdometryVerdict::OutOfOrder;
-  const SE2 step = last.T_odom_base.inverse() * T_odom_base;
-  // Messages a few microseconds apart would make any noise look fast: half a frame is the floor.
-  const double seconds = std::max(dt, 0.01);
-  const bool jump = step.distance() > parameters_.max_speed * seconds ||
-                    std::abs(step.theta) > parameters_.max_turn_rate * seconds;
-  return jump ? OdometryVerdict::PoseJump : OdometryVerdict::Accepted;
+  const double seconds = stamp - poses_.back().stamp;
+  if (seconds == 0.0) return OdometryVerdict::Duplicate;
+  if (seconds < -clock_jump_seconds) return OdometryVerdict::TimeJump;
+  if (seconds < 0.0) return OdometryVerdict::OutOfOrder;
+  return jumps(poses_.back(), stamp, T_odom_base) || leavesTrack(stamp, T_odom_base)
+             ? OdometryVerdict::Outlier
+             : OdometryVerdict::Accepted;
+}
+
+/// One wild message is a glitch; two in a row that agree are a robot whose odometry was reset.
+OdometryVerdict OdometryBuffer::confirmJump(double stamp, const SE2& T_odom_base) {
+  const bool confirmed =
+      suspect_ && stamp > suspect_->stamp && !jumps(*suspect_, stamp, T_odom_base);
+  if (!confirmed) {
+    suspect_ = StampedPose{stamp, T_odom_base};
+    return OdometryVerdict::Outlier;
+  }
+  poses_.assign({*suspect_});
+  return OdometryVerdict::PoseJump;
 }
 
 OdometryVerdict OdometryBuffer::add(double stamp, const SE2& T_odom_base) {
-  const OdometryVerdict verdict = judge(stamp, T_odom_base);
-  if (startsAnew(verdict)) poses_.clear();
+  OdometryVerdict verdict = judge(stamp, T_odom_base);
+  if (verdict == OdometryVerdict::Outlier) verdict = confirmJump(stamp, T_odom_base);
+  if (verdict == OdometryVerdict::TimeJump) poses_.clear();
   if (startsAnew(verdict) || verdict == OdometryVerdict::Accepted) {
+    suspect_.reset();
     poses_.push_back({stamp, T_odom_base});
     while (stamp - poses_.front().stamp > parameters_.buffer) poses_.pop_front();
   }

@@ -6,7 +6,9 @@
 namespace ipm_mapping {
 
 ReferenceSelector::ReferenceSelector(const ReferenceParameters& parameters)
-    : parameters_(parameters), ring_(static_cast<std::size_t>(std::max(parameters.history, 1))) {}
+    : parameters_(parameters),  // One slot more than frames to choose from: the next frame never
+                                // lands on a chosen one.
+      ring_(static_cast<std::size_t>(std::max(parameters.history, 1)) + 1) {}
 
 const StoredFrame& ReferenceSelector::newest(int i) const {
   const int size = static_cast<int>(ring_.size());
@@ -59,7 +61,7 @@ void ReferenceSelector::remember(double stamp, const SE2& T_odom_base, GrayView 
   slot.image.ensure(image.width, image.height);
   for (int v = 0; v < image.height; ++v) std::copy_n(image.row(v), image.width, slot.image.row(v));
   head_ = (head_ + 1) % static_cast<int>(ring_.size());
-  count_ = std::min(count_ + 1, static_cast<int>(ring_.size()));
+  count_ = std::min(count_ + 1, static_cast<int>(ring_.size()) - 1);
 }
 
 void ReferenceSelector::clear() {

@@ -1,5 +1,7 @@
 #include "ipm_mapping/parameters.hpp"
 
+#include <cmath>
+
 #include "ipm_mapping/parameters/visitors.hpp"
 
 namespace ipm_mapping {
@@ -21,6 +23,7 @@ Parameters paperProfile() {
   p.localization.single_bin_peaks = true;
   p.localization.selection = Selection::Peaks;
   p.localization.max_range = 2.0;
+  p.fpga = FpgaParameters::paper();
   p.map.update = MapUpdate::MarkOnce;
   return p;
 }
@@ -61,6 +64,10 @@ void Parameters::validate() const {
   groups(*this, [](const char* name, const auto& group) { validateFields(name, group); });
   if (map.free_below >= map.occupied_above)
     throw ParameterError("map/free_below has to be lower than map/occupied_above");
+  const double surest = 1.0 / (1.0 + std::exp(-map.clamp));
+  if (surest < map.occupied_above || 1.0 - surest > map.free_below)
+    throw ParameterError("map/clamp = " + parameter_detail::numberText(map.clamp) +
+                         ": no cell could ever reach map/occupied_above or map/free_below");
 }
 
 }  // namespace ipm_mapping

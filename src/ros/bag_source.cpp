@@ -119,8 +119,8 @@ void BagSource::resolveTopics(const BagTopics& wanted) {
 }
 
 void BagSource::read(const Handlers& handlers) const {
-  rosbag::View view(bag_, rosbag::TopicQuery(std::vector<std::string>{topics_.image,
-                                                                      topics_.odometry}));
+  rosbag::View view(bag_,
+                    rosbag::TopicQuery(std::vector<std::string>{topics_.image, topics_.odometry}));
   const double total = std::max<double>(view.size(), 1.0);
   double done = 0.0;
   for (const rosbag::MessageInstance& message : view) {

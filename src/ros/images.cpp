@@ -5,6 +5,7 @@
 
 #include <boost/make_shared.hpp>
 
+#include <algorithm>
 #include <cstdint>
 #include <opencv2/imgcodecs.hpp>
 
@@ -104,6 +105,11 @@ GrayBuffer allocateMono8(int width, int height, sensor_msgs::Image& message) {
   message.step = message.width;
   message.data.resize(std::size_t{message.step} * message.height);
   return {message.data.data(), width, height};
+}
+
+void copyMono8(GrayView picture, sensor_msgs::Image& message) {
+  const GrayBuffer copy = allocateMono8(picture.width, picture.height, message);
+  for (int v = 0; v < picture.height; ++v) std::copy_n(picture.row(v), picture.width, copy.row(v));
 }
 
 }  // namespace ipm_mapping

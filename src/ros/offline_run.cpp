@@ -19,8 +19,7 @@ double secondsSince(Clock::time_point start) {
 SE2 poseOf(const nav_msgs::Odometry& odometry) {
   const auto& p = odometry.pose.pose.position;
   const auto& q = odometry.pose.pose.orientation;
-  return {p.x, p.y,
-          std::atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))};
+  return {p.x, p.y, std::atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))};
 }
 
 sensor_msgs::CameraInfo calibrationOf(const BagSource& bag, const OfflineOptions& options,
@@ -132,14 +131,15 @@ void OfflineRun::process(const FrameGate<std::pair<std::uint64_t, GrayPicture>>:
   ++report_.frames[static_cast<std::size_t>(status)];
   trajectory_.push_back(frame.T_odom_base);
   if (status == FrameStatus::Used) {
-    for (const StageTime& time : detector_->stageTimes()) report_.addStage(time.stage, time.seconds);
+    for (const StageTime& time : detector_->stageTimes())
+      report_.addStage(time.stage, time.seconds);
     const auto before_map = Clock::now();
     map_.update(obstacles_);
     report_.addStage("map", secondsSince(before_map));
     report_.contacts += obstacles_.contacts.size();
   }
   report_.processing_seconds += secondsSince(start);
-  if (status == FrameStatus::Used && observers.used) observers.used(obstacles_, *detector_);
+  if (status == FrameStatus::Used && observers.used) observers.used(obstacles_, picture.view);
 }
 
 void OfflineRun::processReady(const Observers& observers) {
@@ -159,6 +159,9 @@ void OfflineRun::run(const Observers& observers) {
              },
              observers.progress});
   gate_.finish();
+  // A run that found nothing still has a map: all of it unknown.
+  if (map_.geometry().empty())
+    map_.include(trajectory_.empty() ? Eigen::Vector2d::Zero() : trajectory_.front().translation());
   for (int i = 0; i < gate_drop_count; ++i)
     report_.gate_drops[static_cast<std::size_t>(i)] = gate_.dropped(static_cast<GateDrop>(i));
   report_.wall_seconds = secondsSince(start);

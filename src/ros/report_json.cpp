@@ -27,9 +27,9 @@ Json framesJson(const RunReport& report) {
 Json stagesJson(const RunReport& report) {
   Json stages = Json::object();
   for (const auto& [stage, statistics] : report.stages)
-    stages[stage] = {{"median_ms", 1e3 * statistics.median()},
-                     {"mean_ms", 1e3 * statistics.total() /
-                                     static_cast<double>(statistics.samples.size())}};
+    stages[stage] = {
+        {"median_ms", 1e3 * statistics.median()},
+        {"mean_ms", 1e3 * statistics.total() / static_cast<double>(statistics.samples.size())}};
   return stages;
 }
 
@@ -84,8 +84,7 @@ std::string reportJson(const OfflineRun& run, const BagSource& bag, const RunCam
       {"odometry", report.odometry},
       {"resets", report.resets},
       {"points", report.contacts},
-      {"map",
-       {{"width", map.width}, {"height", map.height}, {"resolution_m", map.resolution}}},
+      {"map", {{"width", map.width}, {"height", map.height}, {"resolution_m", map.resolution}}},
       {"stages", stagesJson(report)},
       {"processing_ms_per_used_frame", 1e3 * per_frame},
       {"fps", per_frame > 0.0 ? 1.0 / per_frame : 0.0},

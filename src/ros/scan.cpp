@@ -13,8 +13,12 @@ constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
 /// Amcl takes a range at or below range_min for "nothing there": no contact may fall under it.
 constexpr float range_min = 0.01F;
-/// Floor that ends this much short of range_max counts as seen up to there.
-constexpr double reach_tolerance = 1e-3;
+/// Length of floor that two rows of the picture cover at `range` from the camera's foot: floor that
+/// ends that much short of range_max was seen up to the last row in front of it.
+double twoRows(const GroundView& view, double range) {
+  const double h = view.cameraHeight(), f = view.camera.intrinsics().fy;
+  return h > 0.0 && f > 0.0 ? 2.0 * (range * range + h * h) / (h * f) : 0.0;
+}
 
 /// A sector of angles around the foot of the camera.
 struct Sector {
@@ -52,6 +56,7 @@ class ScanGrid {
   ScanGrid(const Obstacles& obstacles, double range_max)
       : obstacles_(obstacles),
         range_max_(range_max),
+        tolerance_(std::max(1e-3, twoRows(obstacles.view, range_max))),
         middle_(obstacles.bearings[obstacles.bearings.size() / 2].angle),
         cells_(obstacles.bearings.size()) {
     cover();
@@ -101,7 +106,7 @@ class ScanGrid {
     const Sector sector = sectorOf(obstacles_.bearings, i);
     const double range = known(bearing) ? bearing.range : 0.0;
     const double end = pointAt(obstacles_, bearing.angle, range).norm();
-    const bool reaches = known(bearing) && end >= range_max_ - reach_tolerance;
+    const bool reaches = known(bearing) && end >= range_max_ - tolerance_;
     forCells(sector, range_max_,
              [reaches](ScanCell& cell) { (reaches ? cell.seen : cell.hidden) = true; });
     const float published = std::max(static_cast<float>(end), 2.0F * range_min);
@@ -127,6 +132,7 @@ class ScanGrid {
 
   const Obstacles& obstacles_;
   double range_max_;
+  double tolerance_;  ///< metres
   double middle_;
   double low_ = 0.0, increment_ = 1.0;
   std::vector<ScanCell> cells_;

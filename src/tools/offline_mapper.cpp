@@ -4,16 +4,21 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
 
+#include "ipm_mapping/io/parameters_yaml.hpp"
 #include "ipm_mapping/io/run_files.hpp"
 #include "ipm_mapping/mapping/map_io.hpp"
 #include "ipm_mapping/ros/offline_run.hpp"
 #include "ipm_mapping/ros/report_json.hpp"
+#include "ipm_mapping/view/map_picture.hpp"
+#include "ipm_mapping/view/overlay.hpp"
 
 namespace {
 
@@ -29,6 +34,7 @@ struct Arguments {
   std::vector<std::string> settings;
   std::vector<double> camera_pose;
   std::string truth;
+  bool fpga = false;
 };
 
 void declare(CLI::App& app, Arguments& a) {
@@ -36,6 +42,7 @@ void declare(CLI::App& app, Arguments& a) {
   app.add_option("--out", a.out, "folder for the results (made if missing)")->required();
   app.add_option("--profile", a.profile, "default, paper, or a YAML file");
   app.add_option("--set", a.settings, "one parameter: GROUP/NAME=VALUE; may be repeated");
+  app.add_flag("--fpga", a.fpga, "let the bit-true FPGA model find the obstacles");
   app.add_option("--image-topic", a.options.topics.image, "default: found by name and type");
   app.add_option("--camera-info-topic", a.options.topics.camera_info, "default: beside the images");
   app.add_option("--odom-topic", a.options.topics.odometry, "default: found by name and type");
@@ -49,13 +56,14 @@ void declare(CLI::App& app, Arguments& a) {
 }
 
 void settle(Arguments& a) {
-  a.options.parameters = Parameters::profile(a.profile);
+  a.options.parameters = profileOrFile(a.profile);
   for (const std::string& setting : a.settings) {
     const auto equals = setting.find('=');
     if (equals == std::string::npos)
       throw ParameterError("--set " + setting + ": write GROUP/NAME=VALUE");
     a.options.parameters.set(setting.substr(0, equals), setting.substr(equals + 1));
   }
+  if (a.fpga) a.options.parameters.detector.kind = DetectorKind::Fpga;
   a.options.parameters.validate();
   if (!a.camera_pose.empty())
     a.options.camera_pose = {a.camera_pose[0], a.camera_pose[1], a.camera_pose[2],
@@ -96,6 +104,10 @@ void summarize(const OfflineRun& run, const std::string& out) {
       out.c_str());
 }
 
+void writePicture(const std::string& path, const cv::Mat& picture) {
+  if (!cv::imwrite(path, picture)) throw std::runtime_error("cannot write '" + path + "'");
+}
+
 /// An input that gave nothing to work on is an error; a robot that never moved is not.
 void requireImages(const RunReport& report) {
   if (report.images == 0) throw BagError("the image topic has no messages");
@@ -108,19 +120,69 @@ void requireImages(const RunReport& report) {
   if (report.odometry.empty()) throw BagError("the odometry topic has no messages");
 }
 
+/// The most telling frame of the run: the one with the most contacts.
+class OverlayFrame {
+ public:
+  void offer(const Obstacles& obstacles, GrayView raw) {
+    if (!picture_.empty() && obstacles.contacts.size() <= obstacles_.contacts.size()) return;
+    obstacles_ = obstacles;
+    picture_.ensure(raw.width, raw.height);
+    for (int v = 0; v < raw.height; ++v) std::copy_n(raw.row(v), raw.width, picture_.row(v));
+  }
+  void write(const std::string& path) const {
+    if (!picture_.empty()) writePicture(path, drawOverlay(picture_.view(), obstacles_));
+  }
+
+ private:
+  Obstacles obstacles_;
+  Image<std::uint8_t> picture_;
+};
+
+/// Outlines of a truth.json.
+std::vector<Outline> readTruth(const std::string& path) {
+  std::vector<Outline> outlines;
+  if (path.empty()) return outlines;
+  std::ifstream file(path);
+  if (!file) throw BagError("cannot read '" + path + "'");
+  try {
+    const auto truth = nlohmann::json::parse(file);
+    for (const auto& footprint : truth.at("footprints")) {
+      Outline outline;
+      outline.closed = footprint.contains("polygon");
+      for (const auto& point : footprint.at(outline.closed ? "polygon" : "polyline"))
+        outline.points.emplace_back(point.at(0).get<double>(), point.at(1).get<double>());
+      outlines.push_back(std::move(outline));
+    }
+  } catch (const nlohmann::json::exception& error) {
+    throw BagError("'" + path + "' is not a truth file: " + error.what());
+  }
+  return outlines;
+}
+
+void writeMap(const OfflineRun& run, const Arguments& a) {
+  TrinaryMap map;
+  run.map().copyTo(map);
+  if (const auto error = saveMap(map, a.out + "/map")) throw std::runtime_error(*error);
+  const std::string title = std::filesystem::path(a.options.bag).stem().string();
+  writePicture(a.out + "/map.png", drawMap(map, {title, run.trajectory(), readTruth(a.truth)}));
+}
+
 void runOn(Arguments& a) {
   const BagSource bag(a.options.bag, a.options.topics);
   const RunCamera camera = resolveCamera(bag, a.options);
   std::filesystem::create_directories(a.out);
   RunFiles files(a.out);
   OfflineRun run(bag, camera, a.options.parameters);
-  run.run(
-      {[&](const Obstacles& obstacles, const Detector&) { files.add(obstacles); }, showProgress});
+  OverlayFrame overlay;
+  run.run({[&](const Obstacles& obstacles, GrayView raw) {
+             files.add(obstacles);
+             overlay.offer(obstacles, raw);
+           },
+           showProgress});
   requireImages(run.report());
   files.finish();
-  TrinaryMap map;
-  run.map().copyTo(map);
-  if (const auto error = saveMap(map, a.out + "/map")) throw std::runtime_error(*error);
+  writeMap(run, a);
+  overlay.write(a.out + "/overlay.png");
   writeText(a.out + "/report.json", reportJson(run, bag, camera, a.options, a.profile));
   summarize(run, a.out);
 }

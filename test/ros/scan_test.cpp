@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -56,6 +57,19 @@ TEST(Scan, FloorSeenOnlyInPartIsNotANumber) {
   EXPECT_TRUE(std::isnan(scan.ranges[39 - 10]));
   EXPECT_TRUE(std::isnan(scan.ranges[39 - 20]));
   EXPECT_TRUE(std::isnan(scan.ranges[39 - 30]));
+}
+
+TEST(Scan, FloorThatEndsAtTheLastRowInFrontOfTheEndIsSeenUpToTheEnd) {
+  // Rows of the picture are 3.5 cm of floor apart at 2 m: the last one may be that far in front.
+  Obstacles o = view(40, 0.5, {0, 0});
+  o.view.camera = CameraModel({320, 240, 260, 260, 159.5, 119.5}, {});
+  for (Bearing& b : o.bearings) b.range = 1.97F;
+  o.bearings[20].range = 1.85F;
+  const auto scan = scanOf(o);
+  EXPECT_EQ(
+      std::count_if(scan.ranges.begin(), scan.ranges.end(), [](float r) { return std::isinf(r); }),
+      39);
+  EXPECT_TRUE(std::isnan(scan.ranges[39 - 20]));
 }
 
 TEST(Scan, RangesCountFromTheBaseOriginWhereverTheCameraStands) {

@@ -23,7 +23,7 @@ class ChainDetector : public Detector {
   [[nodiscard]] const char* id() const override { return id_; }
 
   /// Pictures of the last used frame.
-  [[nodiscard]] GrayView rectified() const override { return ipm_.rectified(); }
+  [[nodiscard]] GrayView rectified() const { return ipm_.rectified(); }
   [[nodiscard]] GrayView differenceImage() const { return difference_.view(); }
   [[nodiscard]] GrayView obstacleMask() const { return mask_.view(); }
 

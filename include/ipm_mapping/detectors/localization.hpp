@@ -1,10 +1,10 @@
 #pragma once
 
-#include <cmath>
 #include <optional>
 #include <vector>
 
 #include "ipm_mapping/detector.hpp"
+#include "ipm_mapping/detectors/floor_bearing.hpp"
 #include "ipm_mapping/parameters/chain_parameters.hpp"
 #include "ipm_mapping/stages/contact_points.hpp"
 #include "ipm_mapping/stages/free_space.hpp"
@@ -12,19 +12,6 @@
 #include "ipm_mapping/stages/selection.hpp"
 
 namespace ipm_mapping {
-
-/// The floor of one view in base: points for pixels, angles and distances from the camera's foot.
-struct LocalizationFloor {
-  GroundProjection projection;
-  Eigen::Vector2d foot;
-
-  [[nodiscard]] std::optional<Eigen::Vector2d> at(int u, int v) const {
-    return projection.floor({u, v});
-  }
-  [[nodiscard]] float angle(const Eigen::Vector2d& p) const {
-    return static_cast<float>(std::atan2(p.y() - foot.y(), p.x() - foot.x()));
-  }
-};
 
 /// Third link of a chain: obstacle mask in, obstacles out.
 class Locator {
@@ -52,9 +39,10 @@ class Localization : public Locator {
   [[nodiscard]] const std::vector<Peak>& peaks() const { return peaks_; }
 
  private:
-  [[nodiscard]] Bearing describeBearing(int line, const LocalizationFloor& floor,
-                                        double max_range) const;
-  void collectCandidates(const LocalizationFloor& floor, Obstacles& obstacles) const;
+  [[nodiscard]] std::optional<LineStop> stopOf(int line) const;
+  [[nodiscard]] LineOnMask lineOf(int line) const;
+  [[nodiscard]] float densityOf(int line) const;
+  void collectCandidates(const FloorOfView& floor, Obstacles& obstacles) const;
   void selectContacts(Obstacles& obstacles);
 
   LocalizationParameters parameters_;

@@ -86,6 +86,10 @@ class CameraModel {
                              (v - intrinsics_.cy) / intrinsics_.fy, u_raw, v_raw);
   }
 
+  /// Raw pixel to undistorted pixel, by fixed-point iteration to 1e-9; false where it does not
+  /// converge (outside the image of the lens).
+  bool undistortPixel(double u_raw, double v_raw, double& u, double& v) const;
+
   [[nodiscard]] bool operator==(const CameraModel& o) const {
     return intrinsics_ == o.intrinsics_ && distortion_ == o.distortion_;
   }

@@ -15,7 +15,8 @@ enum class OdometryVerdict {
   Duplicate,   ///< same stamp as the newest: dropped
   OutOfOrder,  ///< slightly older than the newest: dropped
   TimeJump,    ///< far older than the newest: the buffer was cleared and starts anew
-  PoseJump     ///< faster than the speed gate: the buffer was cleared and starts anew
+  Outlier,     ///< a jump that nothing has confirmed yet: dropped
+  PoseJump     ///< a jump that the next message confirmed: the buffer starts anew from both
 };
 [[nodiscard]] const char* name(OdometryVerdict verdict);
 /// True when what was seen before the message must not be compared with what comes after it.
@@ -34,7 +35,7 @@ class OdometryBuffer {
   OdometryVerdict add(double stamp, const SE2& T_odom_base);
   /// Pose at `stamp` into `T_odom_base` when the answer is Known.
   PoseAnswer at(double stamp, SE2& T_odom_base) const;
-  void clear() { poses_.clear(); }
+  void clear();
 
   [[nodiscard]] bool empty() const { return poses_.empty(); }
   /// Stamp of the newest pose; nothing when empty.
@@ -45,10 +46,14 @@ class OdometryBuffer {
     double stamp;
     SE2 T_odom_base;
   };
-  OdometryVerdict judge(double stamp, const SE2& T_odom_base) const;
+  [[nodiscard]] OdometryVerdict judge(double stamp, const SE2& T_odom_base) const;
+  [[nodiscard]] bool jumps(const StampedPose& from, double stamp, const SE2& T_odom_base) const;
+  [[nodiscard]] bool leavesTrack(double stamp, const SE2& T_odom_base) const;
+  OdometryVerdict confirmJump(double stamp, const SE2& T_odom_base);
 
   OdometryParameters parameters_;
   std::deque<StampedPose> poses_;
+  std::optional<StampedPose> suspect_;  ///< the last outlier
 };
 
 }  // namespace ipm_mapping

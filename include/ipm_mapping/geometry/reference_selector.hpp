@@ -21,7 +21,8 @@ enum class ReferenceVerdict { Chosen, NoMotion, NoReference, TooMuchRotation };
 
 /// Ring of earlier frames; picks the one to compare with: the newest at least `min_baseline` back
 /// that is neither too old nor turned too far (the source, §3.3, always takes the previous frame).
-/// Pictures keep their memory when the ring wraps.
+/// Pictures keep their memory when the ring wraps. A chosen frame stays as it is through the next
+/// remember().
 class ReferenceSelector {
  public:
   explicit ReferenceSelector(const ReferenceParameters& parameters = {});

@@ -5,7 +5,7 @@
 
 namespace ipm_mapping {
 
-/// Wraps an angle to (-pi, pi].
+/// Wraps an angle to [-pi, pi].
 [[nodiscard]] inline double wrapAngle(double angle) { return std::remainder(angle, 2.0 * M_PI); }
 
 /// A pose on the floor: `T_a_b` takes coordinates in b to coordinates in a. Metres and radians.

@@ -45,6 +45,8 @@ struct MapParameters {
 struct OdometryParameters {
   double max_speed = 40.0;
   double max_turn_rate = 20.0;
+  double max_jump = 0.15;
+  double max_turn_jump = 0.3;
   double max_gap = 0.5;
   double buffer = 20.0;
   double wait = 1.0;
@@ -52,9 +54,14 @@ struct OdometryParameters {
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& field) {
     field("max_speed", self.max_speed, Unit{"m/s"}, Range{0.01, 200.0},
-          "a pose that would need a higher speed is a jump: history starts anew from it");
+          "a pose that would need a higher speed is dropped; when the next message agrees with it, "
+          "odometry was reset and history starts anew");
     field("max_turn_rate", self.max_turn_rate, Unit{"rad/s"}, Range{0.01, 200.0},
           "the same for turning");
+    field("max_jump", self.max_jump, Unit{"m"}, Range{0.001, 100.0},
+          "the same for a pose this far from where the motion so far leads (per 0.1 s)");
+    field("max_turn_jump", self.max_turn_jump, Unit{"rad"}, Range{0.001, 10.0},
+          "the same for the heading");
     field("max_gap", self.max_gap, Unit{"s"}, Range{0.001, 10.0},
           "no pose is interpolated between messages farther apart");
     field("buffer", self.buffer, Unit{"s"}, Range{0.1, 600.0}, "how long poses are kept");

@@ -7,15 +7,16 @@
 
 namespace ipm_mapping {
 
-enum class OdometrySource { Topic, Tf };
+enum class PoseOrigin { Topic, Tf };
 template <>
-inline constexpr std::array<const char*, 2> enum_names<OdometrySource>{"topic", "tf"};
+inline constexpr std::array<const char*, 2> enum_names<PoseOrigin>{"topic", "tf"};
 
 /// Where frames and poses come from: nodelets that take camera images.
 struct SourceParameters {
   std::string base_frame;
   std::string odom_frame;
-  OdometrySource odometry_source = OdometrySource::Topic;
+  PoseOrigin odometry_source = PoseOrigin::Topic;
+  double patience = 1.0;
   int queue = 10;
   int waiting_frames = 32;
 
@@ -27,16 +28,31 @@ struct SourceParameters {
           "frame of the robot's poses; empty: the frame of the odometry, or odom");
     field("odometry_source", self.odometry_source,
           "topic: nav_msgs/Odometry on odom; tf: base_frame in odom_frame, whenever tf changes");
+    field("patience", self.patience, Unit{"s"}, Range{0.0, 60.0},
+          "how long the first images wait for camera_info and tf before the calibration file and "
+          "the stated camera pose are taken");
     field("queue", self.queue, Unit{"messages"}, Range{1, 1000}, "length of the image queue");
     field("waiting_frames", self.waiting_frames, Unit{"frames"}, Range{1, 1000},
           "images that wait for odometry to pass their stamps; more are dropped, oldest first");
   }
 };
 
+/// Links between nodelets.
+struct StageParameters {
+  int queue = 32;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& field) {
+    field("queue", self.queue, Unit{"messages"}, Range{1, 1000},
+          "messages that may wait for this stage; more are dropped, oldest first");
+  }
+};
+
 /// How the mapper publishes and keeps its map.
 struct MapperParameters {
   std::string frame = "odom";
-  double publish_rate = 2.0;
+  double publish_rate = 5.0;
+  double full_map_period = 1.0;
   std::string directory = "~/.ros/ipm_mapping";
   std::string initial_map;
   double autosave_period = 0.0;
@@ -48,7 +64,9 @@ struct MapperParameters {
     field("frame", self.frame,
           "frame of the empty map until obstacles say in which frame they are");
     field("publish_rate", self.publish_rate, Unit{"Hz"}, Range{0.0, 100.0},
-          "how often changes are published; 0: after every frame");
+          "how often changes are published as map_updates; 0: after every frame");
+    field("full_map_period", self.full_map_period, Unit{"s"}, Range{0.0, 3600.0},
+          "a changed map is published as a whole at most this often, and always when it grows");
     field("directory", self.directory, "folder below which maps are saved, and nowhere else");
     field("initial_map", self.initial_map, "map_server YAML file to start from; empty: none");
     field("autosave_period", self.autosave_period, Unit{"s"}, Range{0.0, 86400.0},

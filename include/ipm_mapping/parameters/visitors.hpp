@@ -1,6 +1,10 @@
 #pragma once
 // The visitors that several rooms share: as text, from text, range check.
 
+#include <cmath>
+#include <cstdlib>
+#include <iomanip>
+#include <limits>
 #include <sstream>
 #include <string>
 #include <type_traits>
@@ -30,16 +34,29 @@ std::string typeName() {
     return "double";
 }
 
+/// Shortest text that reads back as the same number.
+inline std::string numberText(double value) {
+  std::ostringstream out;
+  for (int digits = 6; digits <= std::numeric_limits<double>::max_digits10; ++digits) {
+    out.str("");
+    out << std::setprecision(digits) << value;
+    if (std::strtod(out.str().c_str(), nullptr) == value) break;
+  }
+  return out.str();
+}
+
 template <class T>
 std::string valueText(const T& value) {
-  std::ostringstream out;
   if constexpr (std::is_same_v<T, bool>)
-    out << (value ? "true" : "false");
+    return value ? "true" : "false";
   else if constexpr (std::is_enum_v<T>)
-    out << enum_names<T>.at(static_cast<std::size_t>(value));
+    return enum_names<T>.at(static_cast<std::size_t>(value));
+  else if constexpr (std::is_floating_point_v<T>)
+    return numberText(value);
+  else if constexpr (std::is_integral_v<T>)
+    return std::to_string(value);
   else
-    out << value;
-  return out.str();
+    return value;
 }
 
 template <class T>
@@ -86,7 +103,7 @@ void describeFields(const Struct& parameters, Use&& use) {
     } else if constexpr (std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) {
       std::ostringstream out;
       out << range.lowest << " ... " << range.highest;
-      text.range = out.str();
+      if (std::isfinite(range.lowest) || std::isfinite(range.highest)) text.range = out.str();
     }
     use(text);
   });

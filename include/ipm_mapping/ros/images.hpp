@@ -36,4 +36,7 @@ struct GrayPicture {
 /// which a stage writes its pixels.
 GrayBuffer allocateMono8(int width, int height, sensor_msgs::Image& message);
 
+/// Makes `message` a copy of a picture that a stage keeps for itself (header untouched).
+void copyMono8(GrayView picture, sensor_msgs::Image& message);
+
 }  // namespace ipm_mapping

@@ -70,8 +70,8 @@ class OfflineRun {
   ~OfflineRun();
 
   struct Observers {
-    /// After every used frame; the detector's pictures are those of this frame.
-    std::function<void(const Obstacles&, const Detector&)> used;
+    /// After every used frame, with the raw picture.
+    std::function<void(const Obstacles&, GrayView raw)> used;
     std::function<void(double share)> progress;  ///< 0..1
   };
   void run(const Observers& observers);

@@ -12,7 +12,8 @@ namespace ipm_mapping {
 /// bearing that reaches into it:
 ///
 /// - the nearest contact in front of range_max is its range;
-/// - +Inf (REP-117: nothing up to range_max) where every bearing saw floor that far;
+/// - +Inf (REP-117: nothing up to range_max) where every bearing saw floor that far, to two rows of
+///   the picture;
 /// - NaN elsewhere: partly seen, blocked by something whose foot is out of view, or unknown. The
 ///   partly seen floor is in the `free` cloud.
 ///

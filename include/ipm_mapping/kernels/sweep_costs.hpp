@@ -1,0 +1,96 @@
+#pragma once
+// Bodies of the noise model, the floor cost and the vertical sweep. Grey levels are 16-bit in units
+// of 1/32; a deviation t is a difference over its standard deviation in units of 1/16, cut at 48
+// (3 sigma); a cost is the sum of t^2 over the 8 lines of a beam, 2048 for a mean of 1 sigma^2.
+// All arithmetic is integer, or correctly rounded IEEE: every SIMD target gives the same numbers.
+
+#include <cstdint>
+
+namespace ipm_mapping::kernels {
+
+inline constexpr int grey_unit = 32;
+inline constexpr int deviation_cap = 48;
+inline constexpr int beam_lines = 8;
+inline constexpr int cost_unit = beam_lines * 256;
+inline constexpr std::int16_t no_residual = -32768;
+inline constexpr std::uint16_t no_cost = 65535;
+/// Kernels read and write up to this many elements past `count`.
+inline constexpr int overrun = 32;
+
+/// A line of 2 * count bytes to its even and odd rows: (gain * byte + offset) >> 9, cut to
+/// [-8191, 8191]. gain 1 is 2^14, an offset of one grey level is 2^14 too.
+void splitRows(const std::uint8_t* line, std::int32_t gain, std::int32_t offset, int count,
+               std::int16_t* even, std::int16_t* odd);
+
+/// sums[b] += in[8 b] + ... + in[8 b + 7] for 8 * blocks bytes.
+void addBlockSums(const std::uint8_t* in, int blocks, std::int32_t* sums);
+
+/// What noiseWeights() needs beside the pixels.
+struct NoiseTerms {
+  float dark = 0.0F;         ///< variance in the dark, grey levels^2
+  float bright = 0.0F;       ///< variance per grey level
+  float across = 0.0F;       ///< weight of (I(line + 1) - I(line - 1))^2
+  float bend_across = 0.0F;  ///< weight of the second difference over lines
+};
+/// weight[i] = 32768 / sqrt(variance of sweep row i) for sweep rows i of one line:
+///   variance = dark + bright I + across (I(line + 1) - I(line - 1))^2
+///            + along[i] (I(row + stride) - I(row - stride))^2
+///            + (bend_across (second difference over lines) + bend_along[i] (over rows))^2,
+/// at least 0.26. `here`, `left`, `right` are the bytes of three neighbouring lines from the fine
+/// row of i = 0 on; sweep row i is fine row 2 i. Rows -stride ... 2 count + stride are read.
+void noiseWeights(const std::uint8_t* left, const std::uint8_t* here, const std::uint8_t* right,
+                  int stride, const float* along, const float* bend_along, const NoiseTerms& terms,
+                  int count, std::uint16_t* weight);
+
+/// Positions on a path: out[8 b + k] = (node[b] (8 - k) + node[b + 1] k) >> 7, nodes in 1/1024,
+/// positions in 1/64. `out` holds 8 * blocks values.
+void interpolateNodes(const std::int32_t* nodes, int blocks, std::int32_t* out);
+
+/// Bilinear samples on a path through the reference, minus the current line:
+///   residual[i] = current[i] - ((gain * sample + 32 * offset) >> 14)
+/// where the sample, in 1/32 grey levels, lies at row[i] and line[i], both in 1/64. `reference` is
+/// the rectified reference, `stride` bytes from line to line.
+void pathResidual(const std::uint8_t* reference, std::int32_t stride, const std::int32_t* row,
+                  const std::int32_t* line, std::int32_t gain, std::int32_t offset,
+                  const std::int16_t* current, int count, std::int16_t* residual);
+
+/// sum[i] += residual[i], number[i] += 1 where the residual is there; `sign` -1 takes it away
+/// again.
+void accumulateResidual(const std::int16_t* residual, int sign, int count, std::int32_t* sum,
+                        std::int32_t* number);
+
+/// mean[i] = sum over the window / number over the window, rows i - half ... i + half of a line's
+/// accumulated residuals; 0 where the window is empty. The prefixes hold count + 2 half + 1 values,
+/// prefix[k] = everything before row k - half.
+void windowMean(const std::int32_t* sum_prefix, const std::int32_t* number_prefix, int half,
+                int count, std::int16_t* mean);
+
+/// squares[i] += t^2 with t = min(|e| weight / 2^16, cap), e the smaller of the residual and the
+/// residual minus mean[i]; where the residual is missing squares[i] becomes no_cost and stays it.
+void accumulateFloorCost(const std::int16_t* residual, const std::int16_t* mean,
+                         const std::uint16_t* weight, int count, std::uint16_t* squares);
+
+/// One candidate of the vertical sweep: eight lines of the current image against nine lines of the
+/// reference, each moved by the same number of rows.
+struct VerticalPath {
+  const std::int16_t* current = nullptr;  ///< first of eight lines, at the first sweep row
+  const std::uint16_t* weight = nullptr;  ///< laid out as `current`
+  std::int64_t stride = 0;                ///< elements from line to line, all planes
+  const std::int16_t* upper = nullptr;    ///< reference rows at floor(shift), first of nine lines
+  const std::int16_t* lower = nullptr;    ///< the rows one further
+  std::int16_t row_fraction = 0;          ///< of the shift, 1/2^15
+  std::int16_t line_fraction = 0;         ///< of the line position, 1/2^15
+};
+/// cost[i] = sum over the eight lines of t^2 for sweep rows i < count.
+void verticalCost(const VerticalPath& path, int count, std::uint16_t* cost);
+
+/// cost[i] = min(cost[i], other[i] + prior) where cost[i] is not no_cost.
+void lowerTo(const std::uint16_t* other, std::int32_t prior, int count, std::uint16_t* cost);
+
+/// evidence[i] += ((min(floor[i], floor_cap) - vertical[i] - prior) * weight[i]) >> 8 where
+/// floor[i] is not no_cost: how much better a vertical line explains row i than the floor does.
+void accumulateEvidence(const std::uint16_t* floor, const std::uint16_t* vertical,
+                        const std::int32_t* weight, std::int32_t floor_cap, std::int32_t prior,
+                        int count, std::int32_t* evidence);
+
+}  // namespace ipm_mapping::kernels

@@ -1,0 +1,24 @@
+#pragma once
+// Integer bodies of the cylindrical rectification: exact, so every SIMD target gives the same
+// bytes.
+
+#include <cstdint>
+
+#include "ipm_mapping/image_view.hpp"
+
+namespace ipm_mapping::kernels {
+
+/// out = ((1 2 1) x (1 2 1) * in + 8) >> 4; pixels outside the image repeat its border.
+/// Same size, at least 1x1; `in` and `out` do not overlap.
+void smooth121(GrayView in, GrayBuffer out);
+
+/// out(u, v) = in(u, v) | in(u, v + 1) << 8; the last row pairs with itself. The bytes of two
+/// neighbouring pairs are the 2x2 neighbourhood that a bilinear sample needs.
+void pairRows(GrayView in, ImageView<std::uint16_t> out);
+
+/// out[i] = (sum over k of byte k of the 4 bytes at pairs + offsets[i] times byte k of weights[i]
+/// + 64) >> 7. The weights of one sample sum to 128; every 4 bytes lie inside the pair image.
+void samplePlan(ImageView<const std::uint16_t> pairs, const std::int32_t* offsets,
+                const std::uint32_t* weights, int count, std::uint8_t* out);
+
+}  // namespace ipm_mapping::kernels

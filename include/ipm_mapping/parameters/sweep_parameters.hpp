@@ -1,0 +1,279 @@
+#pragma once
+// Parameters of the vertical sweep. Lengths that depend on how high the camera stands are in camera
+// heights; costs are in squared standard deviations of the grey-level noise.
+
+#include "ipm_mapping/parameters/field.hpp"
+
+namespace ipm_mapping::sweep {
+
+/// The polar grid that images are rectified to.
+struct GridParameters {
+  double lines_per_radian = 400.0;
+  double rows_per_log = 200.0;
+  double max_range = 0.0;
+  double beyond = 1.6;
+  double max_support = 0.667;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& field) {
+    field("lines_per_radian", self.lines_per_radian, Unit{"1/rad"}, Range{50.0, 2000.0},
+          "lines of equal azimuth per radian");
+    field("rows_per_log", self.rows_per_log, Unit{"1"}, Range{50.0, 1000.0},
+          "rows per unit of the logarithm of the distance");
+    field("max_range", self.max_range, Unit{"m"}, Range{0.0, 1000.0},
+          "contacts farther from the robot are not published; 0: 2 m, or three times the distance "
+          "at which the floor comes into view where that is more");
+    field("beyond", self.beyond, Unit{""}, Range{1.0, 10.0},
+          "candidates reach this multiple of max_range, so that what stands behind it is not drawn "
+          "into it");
+    field("max_support", self.max_support, Unit{"camera heights"}, Range{0.05, 0.95},
+          "how far up a vertical line is followed");
+  }
+};
+
+/// Which earlier frames the current one is compared with.
+struct SweepReferenceParameters {
+  double short_baseline = 0.333;
+  double long_baseline = 0.667;
+  double max_rotation = 0.35;
+  double max_age = 4.0;
+  double min_motion = 0.002;
+  double spacing = 0.02;
+  int history = 96;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& field) {
+    field("short_baseline", self.short_baseline, Unit{"camera heights"}, Range{0.01, 10.0},
+          "the newest frame at least this far back is the first reference");
+    field("long_baseline", self.long_baseline, Unit{"camera heights"}, Range{0.0, 10.0},
+          "the same for the second reference; 0: only one reference");
+    field("max_rotation", self.max_rotation, Unit{"rad"}, Range{0.0, 3.2},
+          "a reference that was turned further away is not used");
+    field("max_age", self.max_age, Unit{"s"}, Range{0.0, 60.0},
+          "a reference that is older is not used");
+    field("min_motion", self.min_motion, Unit{"m"}, Range{0.0, 1.0},
+          "a frame that moved less since the frame before it brings no new evidence");
+    field("spacing", self.spacing, Unit{"camera heights"}, Range{0.0, 1.0},
+          "a frame is kept as a possible reference when it is this far from the one kept before");
+    field("history", self.history, Unit{"frames"}, Range{2, 1024},
+          "frames that are kept as possible references");
+  }
+};
+
+/// Refinement of the odometry's motion on the floor, and of the brightness between two frames.
+struct MotionRefinementParameters {
+  bool refine = true;
+  double farthest = 5.5;
+  int row_step = 6;
+  int line_step = 8;
+  int iterations = 5;
+  double first_spread = 16.0;
+  double sd_forward = 0.02;
+  double sd_sideways = 0.003;
+  double sd_turn = 0.003;
+  double sd_turn_share = 0.02;
+  double sd_forward_floor = 0.001;
+  double sd_sideways_floor = 0.0003;
+  double sd_turn_floor = 0.0005;
+  double sd_gain = 0.1;
+  double sd_offset = 2.0;
+  double correlation = 0.1;
+  int min_samples = 200;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& field) {
+    field("refine", self.refine, "align the floor of the two frames; off: trust odometry");
+    field("farthest", self.farthest, Unit{"camera heights"}, Range{1.0, 50.0},
+          "floor farther from the camera's foot does not take part");
+    field("row_step", self.row_step, Unit{"rows"}, Range{1, 64}, "every how many rows a sample");
+    field("line_step", self.line_step, Unit{"lines"}, Range{1, 64}, "every how many lines");
+    field("iterations", self.iterations, Unit{""}, Range{1, 50}, "at most so many steps");
+    field("first_spread", self.first_spread, Unit{"grey levels"}, Range{1.0, 255.0},
+          "spread that the first step allows for, halved at every step: edges that do not overlap "
+          "yet");
+    field("sd_forward", self.sd_forward, Unit{"m/m"}, Range{1e-6, 1.0},
+          "expected odometry error along x per metre");
+    field("sd_sideways", self.sd_sideways, Unit{"m/m"}, Range{1e-6, 1.0}, "the same along y");
+    field("sd_turn", self.sd_turn, Unit{"rad/m"}, Range{1e-6, 1.0}, "heading error per metre");
+    field("sd_turn_share", self.sd_turn_share, Unit{"rad/rad"}, Range{0.0, 1.0},
+          "heading error per radian turned");
+    field("sd_forward_floor", self.sd_forward_floor, Unit{"m"}, Range{1e-6, 1.0},
+          "error along x that is there without motion");
+    field("sd_sideways_floor", self.sd_sideways_floor, Unit{"m"}, Range{1e-6, 1.0},
+          "the same along y");
+    field("sd_turn_floor", self.sd_turn_floor, Unit{"rad"}, Range{1e-6, 1.0},
+          "the same of the heading");
+    field("sd_gain", self.sd_gain, Unit{""}, Range{1e-4, 10.0}, "expected change of the gain");
+    field("sd_offset", self.sd_offset, Unit{"grey levels"}, Range{1e-3, 100.0},
+          "expected change of the offset");
+    field("correlation", self.correlation, Unit{""}, Range{1e-4, 1.0},
+          "share of independent samples: neighbours see the same texture and the same model error");
+    field("min_samples", self.min_samples, Unit{""}, Range{10, 100000},
+          "with fewer floor samples odometry stays as it is");
+  }
+};
+
+/// What a grey-level difference may be without meaning anything.
+struct NoiseParameters {
+  double sigma = 1.06;
+  double dark_share = 0.3;
+  double bright_unit = 128.0;
+  double azimuth_error = 0.0014;
+  double slope_error = 0.00097;
+  double slope_step = 0.0028;
+  double blur_azimuth = 0.00283;
+  double blur_slope = 0.00196;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& field) {
+    field("sigma", self.sigma, Unit{"grey levels"}, Range{0.05, 50.0},
+          "sensor noise of a difference of two images at bright_unit");
+    field("dark_share", self.dark_share, Unit{""}, Range{0.0, 10.0},
+          "share of the noise variance that is there in the dark");
+    field("bright_unit", self.bright_unit, Unit{"grey levels"}, Range{1.0, 255.0},
+          "brightness that adds a whole variance of sigma (shot noise)");
+    field("azimuth_error", self.azimuth_error, Unit{"rad"}, Range{0.0, 0.1},
+          "misregistration sideways that has to be expected");
+    field("slope_error", self.slope_error, Unit{""}, Range{0.0, 0.1},
+          "misregistration along a line, in units of r = height / distance");
+    field("slope_step", self.slope_step, Unit{""}, Range{0.0001, 0.1},
+          "half-width, in units of r, over which the derivative along a line is taken");
+    field("blur_azimuth", self.blur_azimuth, Unit{"rad"}, Range{0.0, 0.1},
+          "width sideways by which one view may be blurred more than the other");
+    field("blur_slope", self.blur_slope, Unit{""}, Range{0.0, 0.1},
+          "the same along a line, in units of r");
+  }
+};
+
+/// Costs of the floor and of a vertical line, and their difference.
+struct EvidenceParameters {
+  double floor_cap = 2.5;
+  double vertical_prior = 0.05;
+  double specular_prior = 0.2;
+  double specular_parallax = 0.12;
+  double drift_width = 0.085;
+  double drift_length = 0.10;
+  double evidence_rows = 360.0;
+  int beam_step = 6;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& field) {
+    field("floor_cap", self.floor_cap, Unit{"sigma^2"}, Range{0.1, 9.0},
+          "the floor never costs more: 'neither floor nor vertical' is an allowed answer");
+    field("vertical_prior", self.vertical_prior, Unit{"sigma^2"}, Range{0.0, 2.0},
+          "a vertical line costs this much more a row");
+    field(
+        "specular_prior", self.specular_prior, Unit{"sigma^2"}, Range{0.0, 9.0},
+        "a highlight that stays where it is in the view costs this much more a row than floor; 9: "
+        "not considered");
+    field("specular_parallax", self.specular_parallax, Unit{"log"}, Range{0.0, 2.0},
+          "considered only where the floor moves at least this much between the views: far things "
+          "hardly move either");
+    field(
+        "drift_width", self.drift_width, Unit{"rad"}, Range{0.01, 1.0},
+        "width of the neighbourhood whose mean difference a drifting highlight or shadow explains");
+    field("drift_length", self.drift_length, Unit{"log"}, Range{0.01, 1.0},
+          "its length, in the logarithm of the distance");
+    field("evidence_rows", self.evidence_rows, Unit{"1"}, Range{1.0, 10000.0},
+          "independent observations per unit of r: scores count these");
+    field("beam_step", self.beam_step, Unit{"lines"}, Range{1, 64}, "lines from beam to beam");
+  }
+};
+
+/// From scores to one contact a beam.
+struct SelectionParameters {
+  double nearer_score = 15.0;
+  double publish_score = 5.0;
+  double publish_slope = 20.0;
+  double step_cost = 0.5;
+  double jump_cost = 20.0;
+  double nothing_cost = 12.0;
+  double presence_cost = 2.0;
+  double score_cap = 60.0;
+  int refine_steps = 4;
+  bool straddle = true;
+  double straddle_gap = 0.133;
+  double straddle_ratio = 1.5;
+  double free_cost = 1.3;
+  int free_halo = 4;
+  double blocked_cost = 2.0;
+  int free_window = 15;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& field) {
+    field("nearer_score", self.nearer_score, Unit{""}, Range{0.0, 1000.0},
+          "a nearer candidate with this score hides what stands behind it");
+    field("publish_score", self.publish_score, Unit{""}, Range{0.0, 1000.0},
+          "a beam's own score for a contact to be published");
+    field("publish_slope", self.publish_slope, Unit{""}, Range{0.0, 1000.0},
+          "the same per unit of r, where that is more: near the camera a centimetre is many rows");
+    field("step_cost", self.step_cost, Unit{""}, Range{0.0, 100.0},
+          "cost of one candidate step between neighbouring beams");
+    field("jump_cost", self.jump_cost, Unit{""}, Range{0.0, 1000.0},
+          "the most that a step between neighbouring beams costs");
+    field("nothing_cost", self.nothing_cost, Unit{""}, Range{0.0, 1000.0},
+          "cost of going to or from 'nothing here'");
+    field("presence_cost", self.presence_cost, Unit{""}, Range{0.0, 100.0},
+          "cost of a contact in a beam: less evidence is nothing");
+    field("score_cap", self.score_cap, Unit{""}, Range{1.0, 10000.0},
+          "scores of a beam are scaled (not clipped) to at most this");
+    field("refine_steps", self.refine_steps, Unit{"candidates"}, Range{0, 64},
+          "how far from the smooth solution a beam's own maximum may lie");
+    field("straddle", self.straddle,
+          "drop a contact beside a clearly nearer and stronger one: its beam straddles an edge");
+    field("straddle_gap", self.straddle_gap, Unit{"camera heights"}, Range{0.0, 10.0},
+          "how much nearer 'clearly nearer' is");
+    field("straddle_ratio", self.straddle_ratio, Unit{""}, Range{1.0, 100.0},
+          "how much stronger 'clearly stronger' is");
+    field("free_cost", self.free_cost, Unit{"sigma^2"}, Range{0.0, 9.0},
+          "floor is called free while its mean cost stays below this");
+    field("free_halo", self.free_halo, Unit{"beams"}, Range{0, 100},
+          "floor is called free no farther than the contacts this many beams beside it: an "
+          "obstacle's "
+          "plain parts look like floor");
+    field("blocked_cost", self.blocked_cost, Unit{"sigma^2"}, Range{0.0, 9.0},
+          "a beam without contact whose nearest floor costs more than this is blocked: something "
+          "stands nearer than the view");
+    field("free_window", self.free_window, Unit{"rows"}, Range{1, 100},
+          "over how many rows that mean is taken");
+  }
+};
+
+/// How well the camera's pose is known: what a contact's range is worth.
+struct CalibrationUncertainty {
+  double sd_pitch = 0.0035;
+  double sd_height = 0.004;
+  double least_sharpness = 0.25;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& field) {
+    field("sd_pitch", self.sd_pitch, Unit{"rad"}, Range{0.0, 0.5}, "expected error of the pitch");
+    field("sd_height", self.sd_height, Unit{"m"}, Range{0.0, 1.0}, "expected error of the height");
+    field("least_sharpness", self.least_sharpness, Unit{"1/candidate^2"}, Range{1e-6, 100.0},
+          "a flatter maximum of the score counts as this sharp");
+  }
+};
+
+/// Everything the vertical sweep can be told.
+struct SweepParameters {
+  GridParameters grid;
+  SweepReferenceParameters reference;
+  MotionRefinementParameters refinement;
+  NoiseParameters noise;
+  EvidenceParameters evidence;
+  SelectionParameters selection;
+  CalibrationUncertainty uncertainty;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& field) {
+    GridParameters::fields(self.grid, field);
+    SweepReferenceParameters::fields(self.reference, field);
+    MotionRefinementParameters::fields(self.refinement, field);
+    NoiseParameters::fields(self.noise, field);
+    EvidenceParameters::fields(self.evidence, field);
+    SelectionParameters::fields(self.selection, field);
+    CalibrationUncertainty::fields(self.uncertainty, field);
+  }
+};
+
+}  // namespace ipm_mapping::sweep

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <geometry_msgs/Pose.h>
+#include <geometry_msgs/Transform.h>
+
+#include <cmath>
+
+#include "ipm_mapping/geometry/se2.hpp"
+
+namespace ipm_mapping {
+
+/// Heading of a quaternion's x axis; its tilt is left out.
+[[nodiscard]] inline double yawOf(const geometry_msgs::Quaternion& q) {
+  return std::atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z));
+}
+
+/// The part of a pose that lies on the floor.
+[[nodiscard]] inline SE2 toSE2(const geometry_msgs::Pose& pose) {
+  return {pose.position.x, pose.position.y, yawOf(pose.orientation)};
+}
+[[nodiscard]] inline SE2 toSE2(const geometry_msgs::Transform& transform) {
+  return {transform.translation.x, transform.translation.y, yawOf(transform.rotation)};
+}
+
+}  // namespace ipm_mapping

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "ipm_mapping/image_view.hpp"
+#include "ipm_mapping/sweep/polar_grid.hpp"
+
+namespace ipm_mapping::sweep {
+
+/// Half-open run of rows of one line.
+struct RowRange {
+  int begin = 0;
+  int end = 0;
+  [[nodiscard]] bool contains(int row) const { return row >= begin && row < end; }
+  [[nodiscard]] int size() const { return end > begin ? end - begin : 0; }
+};
+[[nodiscard]] inline RowRange intersection(RowRange a, RowRange b) {
+  return {a.begin > b.begin ? a.begin : b.begin, a.end < b.end ? a.end : b.end};
+}
+
+/// Element i: the rows that all of lines i ... i + lines - 1 see.
+[[nodiscard]] std::vector<RowRange> commonRows(const std::vector<RowRange>& rows, int lines);
+
+/// Raw image to polar grid: one fixed map per camera and pose, compiled once into byte offsets and
+/// weights. Each output pixel is
+///   sum_k w_k B(p_k) / 128,  B = (1 2 1)/4 x (1 2 1)/4 * raw,
+/// the four p_k being the raw neighbours of the pixel that sees (azimuth, r).
+/// Rectified images are stored line by line: `at(row, line)`.
+class CylindricalRectification {
+ public:
+  /// Builds the map; throws nothing, `grid().lines` is 0 where no floor is in view.
+  void configure(const CameraModel& camera, const CameraPose& T_base_camera, const PolarGrid& grid);
+
+  /// `raw` has the calibrated size. Rows outside rows(line) are left as they are.
+  void rectify(GrayView raw, ImageView<std::uint8_t> rectified);
+
+  [[nodiscard]] const PolarGrid& grid() const { return grid_; }
+  /// Rows of a line that are in view.
+  [[nodiscard]] RowRange rows(int line) const { return ranges_[static_cast<std::size_t>(line)]; }
+  [[nodiscard]] const std::vector<RowRange>& ranges() const { return ranges_; }
+
+ private:
+  void compileLine(const CameraModel& camera, const CameraPose& T_base_camera, int line);
+
+  PolarGrid grid_;
+  std::vector<RowRange> ranges_;
+  Image<std::int32_t> offsets_;   // of the upper left neighbour in the pair image, bytes
+  Image<std::uint32_t> weights_;  // of the four neighbours, one byte each, sum 128
+  Image<std::uint8_t> smooth_;    // B
+  Image<std::uint16_t> pairs_;    // B(u, v) | B(u, v + 1) << 8
+};
+
+}  // namespace ipm_mapping::sweep

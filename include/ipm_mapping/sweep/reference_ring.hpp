@@ -1,0 +1,39 @@
+#pragma once
+
+#include <vector>
+
+#include "ipm_mapping/sweep/motion_refinement.hpp"
+
+namespace ipm_mapping::sweep {
+
+/// Rectified frames of the recent past, at most one every `spacing`. Memory is reused.
+class ReferenceRing {
+ public:
+  void configure(const PolarGrid& grid, const SweepReferenceParameters& parameters);
+  void clear() { used_ = 0; }
+
+  /// Keeps a frame if it lies far enough from the one kept before; `frame` then holds an older
+  /// frame's memory. Returns whether it was kept.
+  bool offer(RectifiedFrame& frame);
+
+  /// Newest frame at least `baseline` metres from a pose, young enough and not turned away too far;
+  /// null if there is none. The first frame that is far enough decides: an older one would be
+  /// turned further.
+  [[nodiscard]] const RectifiedFrame* find(const SE2& T_odom_base, double stamp,
+                                           double baseline) const;
+  /// Any frame at least `baseline` away and young enough, however turned: tells why find() failed.
+  [[nodiscard]] bool farEnough(const SE2& T_odom_base, double stamp, double baseline) const;
+  [[nodiscard]] int size() const { return used_; }
+
+ private:
+  [[nodiscard]] const RectifiedFrame& newest(int back) const;
+  [[nodiscard]] const RectifiedFrame* firstBeyond(const SE2& pose, double stamp,
+                                                  double baseline) const;
+
+  SweepReferenceParameters parameters_;
+  double spacing_ = 0.0;
+  std::vector<RectifiedFrame> frames_;
+  int next_ = 0, used_ = 0;
+};
+
+}  // namespace ipm_mapping::sweep

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "ipm_mapping/detector.hpp"
+#include "ipm_mapping/parameters/sweep_parameters.hpp"
+#include "ipm_mapping/sweep/bearing_selection.hpp"
+#include "ipm_mapping/sweep/cylindrical_rectification.hpp"
+#include "ipm_mapping/sweep/floor_cost.hpp"
+#include "ipm_mapping/sweep/motion_refinement.hpp"
+#include "ipm_mapping/sweep/noise_model.hpp"
+#include "ipm_mapping/sweep/reference_ring.hpp"
+#include "ipm_mapping/sweep/specular_cost.hpp"
+#include "ipm_mapping/sweep/vertical_sweep.hpp"
+
+namespace ipm_mapping::sweep {
+
+/// The package's own detector: for every beam, does this column look like floor, or like something
+/// vertical that stands on the floor at this distance?
+class SweepDetector : public Detector {
+ public:
+  explicit SweepDetector(const SweepParameters& parameters = {});
+
+  void setCamera(const CameraModel& camera, const CameraPose& T_base_camera) override;
+  void reset() override;
+  FrameStatus process(const Frame& frame, Obstacles& obstacles) override;
+  [[nodiscard]] const std::vector<StageTime>& stageTimes() const override { return times_; }
+  [[nodiscard]] const char* id() const override { return "sweep"; }
+
+  /// Motion from the first reference to the last processed frame as the floor shows it.
+  [[nodiscard]] const RefinedMotion& refinedMotion() const { return motions_[0]; }
+  [[nodiscard]] const PolarGrid& grid() const { return grid_; }
+  /// Scores of the last processed frame, candidates x beams.
+  [[nodiscard]] ImageView<const float> scores() const { return scores_.score.view(); }
+  /// Floor residual against the last reference, sweep rows x lines, 1/32 grey levels.
+  [[nodiscard]] ImageView<const std::int16_t> residual() const { return floor_cost_.residual(); }
+
+ private:
+  /// One reference of the frame at hand, on the sweep rows.
+  struct Planes {
+    Image<std::int16_t> even, odd;
+    Image<std::uint16_t> floor_cost;
+  };
+
+  FrameStatus findReferences(const Frame& frame);
+  void maskFloor();
+  void splitCurrent();
+  void compareWithReferences();
+  void splitReference(const RectifiedFrame& reference, const Photometric& photometric,
+                      Planes& planes);
+  void fillView(const Frame& frame, Obstacles& obstacles) const;
+  void fillObstacles(Obstacles& obstacles);
+  void limitFree(Obstacles& obstacles) const;
+  void fillCandidates(Obstacles& obstacles) const;
+  Contact contactOf(int beam, const BeamChoice& choice) const;
+  /// How far the floor of a beam reaches for one reference, and what its near end costs.
+  struct FloorReach {
+    double range = 0.0;  ///< metres from the camera's foot; 0: not even the near end is floor
+    double nearest_cost = 0.0;  ///< sigma^2; 0 where the near end was not seen
+  };
+  FloorReach floorReach(int beam, const SweepReference& view) const;
+  Bearing floorBearing(int beam) const;
+  double rangeLimit(double azimuth) const;
+  void lap(const char* stage);
+
+  SweepParameters parameters_;
+  CameraModel camera_;
+  CameraPose T_base_camera_ = CameraPose::Identity();
+  double max_range_ = 0.0;
+  PolarGrid grid_;
+  CylindricalRectification rectification_;
+  NoiseModel noise_;
+  MotionRefinement refinement_;
+  FloorCost floor_cost_;
+  SpecularCost specular_;
+  VerticalSweep sweep_;
+  BearingSelection selection_;
+  ReferenceRing ring_;
+  BlockLattice lattice_;
+
+  RectifiedFrame current_;
+  Image<std::int16_t> current_grey_, scratch_;
+  Image<std::uint16_t> weight_;
+  std::array<Planes, VerticalSweep::max_references> planes_;
+  std::array<const RectifiedFrame*, VerticalSweep::max_references> references_{};
+  std::array<SweepReference, VerticalSweep::max_references> views_;
+  std::array<RefinedMotion, VerticalSweep::max_references> motions_;
+  int reference_count_ = 0;
+  SweepScores scores_;
+  std::vector<BeamChoice> choices_;
+  SE2 last_used_;
+  bool seen_any_ = false;
+  std::vector<StageTime> times_;
+  double lap_start_ = 0.0;
+};
+
+}  // namespace ipm_mapping::sweep

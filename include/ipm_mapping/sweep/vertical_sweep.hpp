@@ -1,0 +1,91 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "ipm_mapping/image_view.hpp"
+#include "ipm_mapping/sweep/floor_cost.hpp"
+#include "ipm_mapping/sweep/foot_motion.hpp"
+#include "ipm_mapping/sweep/polar_grid.hpp"
+
+namespace ipm_mapping::sweep {
+
+/// A reference view on the sweep rows, brightness already that of the current view.
+struct SweepReference {
+  ImageView<const std::int16_t> even, odd;    ///< fine rows 2j and 2j + 1
+  ImageView<const std::uint16_t> floor_cost;  ///< sweepRows x beams
+  FootMotion motion;
+};
+
+/// Scores of every candidate contact of every beam.
+struct SweepScores {
+  Image<float> score;       ///< candidates x beams
+  Image<std::int16_t> top;  ///< sweep row where the support ends
+};
+
+/// Does this column look like something vertical that stands on the floor at this distance? For a
+/// candidate contact at distance d the line maps to one line of the reference, its rows shifted by
+/// rows_per_log ln(d / d'). With F and V the costs of floor and vertical per row,
+///   S(b) = max over top of sum_{top..b} w(row) mean over references of (min(F, U) - V_b - prior),
+/// w(row) = evidence_rows dr: evidence counts per unit of r, as the image does, not per row of the
+/// grid. Candidates reach below the image: what they absorb stands nearer than the view.
+class VerticalSweep {
+ public:
+  static constexpr int max_references = 2;
+
+  void configure(const PolarGrid& grid, const std::vector<RowRange>& reference_rows,
+                 const std::vector<RowRange>& current_rows, double max_support,
+                 const EvidenceParameters& parameters);
+
+  /// Scores below `least_score` may be given as 0.
+  void evaluate(const CurrentView& current, const SweepReference* references, int count,
+                float least_score, SweepScores& scores);
+
+  [[nodiscard]] int beams() const { return beams_; }
+  [[nodiscard]] int candidates() const { return candidates_; }
+  [[nodiscard]] int firstLine(int beam) const { return beam * beam_step_; }
+  /// Azimuth of the middle of a beam.
+  [[nodiscard]] double azimuth(int beam) const;
+  /// Sweep row of a candidate; fractions allowed.
+  [[nodiscard]] double sweepRow(double candidate) const { return first_row_ + candidate; }
+  [[nodiscard]] double r(double candidate) const;
+  [[nodiscard]] double distance(double candidate) const { return grid_.height / r(candidate); }
+  /// Sweep rows that all lines of a beam see.
+  [[nodiscard]] RowRange rows(int beam) const { return beam_rows_[static_cast<std::size_t>(beam)]; }
+
+ private:
+  /// Where a candidate's vertical line lies in a reference.
+  struct Place {
+    double line, shift;  // first line; fine rows
+  };
+  /// The same as rows of a reference's planes: row j lies at upper[j + upper_offset].
+  struct Aim {
+    const std::int16_t* upper = nullptr;
+    const std::int16_t* lower = nullptr;
+    int upper_offset = 0, lower_offset = 0;
+    std::int16_t row_fraction = 0, line_fraction = 0;
+    RowRange rows;
+  };
+  void bound(const SweepReference* references, int count, int beam);
+  void place(const FootMotion& motion, int beam, std::vector<Place>& places) const;
+  Aim aim(const SweepReference& reference, const Place& place, RowRange support) const;
+  void addEvidence(const CurrentView& current, const SweepReference& reference, const Aim& aim,
+                   int beam, RowRange block);
+  float scoreOf(const CurrentView& current, const SweepReference* references, int count, int beam,
+                int candidate, std::int32_t least, std::int16_t& top);
+
+  PolarGrid grid_;
+  int beam_step_ = 1, beams_ = 0, candidates_ = 0, first_row_ = 0, support_rows_ = 0;
+  std::int32_t floor_cap_ = 0, prior_ = 0;
+  std::vector<RowRange> beam_rows_;       // current: sweep rows, eight lines
+  std::vector<RowRange> reference_rows_;  // reference: fine rows, nine lines from each line on
+  std::vector<std::int32_t> row_weight_;  // w(row) in 1/256
+  std::vector<std::int32_t> bound_;       // most that a support ending at a row can gain
+  std::vector<std::int32_t> potential_;   // sum of what the rows before a row could gain
+  std::vector<std::int32_t> evidence_;
+  std::vector<std::uint16_t> cost_;
+  std::array<std::vector<Place>, max_references> places_;
+};
+
+}  // namespace ipm_mapping::sweep

@@ -1,0 +1,71 @@
+#pragma once
+// Light that reaches a surface, found once for each small square of it and kept: lamps and solids
+// do not move. Where a shadow's edge crosses a square, the square says so and the pixel is to ask
+// the ray tracer itself.
+
+#include <cstdint>
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+#include "ipm_mapping_sim/stage.hpp"
+
+namespace ipm_mapping::sim {
+
+constexpr int kMaxLamps = 8;
+
+/// Shares of light in 0...1 at a point; `steep` has a bit for each lamp whose share must be asked
+/// for again with shadowShare().
+struct LightShares {
+  float ambient = 1.0F;
+  float lamp[kMaxLamps] = {};
+  unsigned steep = 0;
+};
+
+/// A square of a surface: its centre and its edges.
+struct Texel {
+  Eigen::Vector3f centre, normal, edge_u, edge_v;
+};
+
+/// Share of a lamp that reaches the points of a parallelogram: sixteen rays, each from another
+/// part of the parallelogram to another part of the lamp. Turns 0...3 together ask 64 parts of it.
+constexpr int kWholeLamp = -1;
+float lampShare(const Tracer& tracer, const LampSpec& lamp, const Texel& area, int turn);
+
+class LightMap {
+ public:
+  /// Map of one patch, or of the floor with patch == nullptr; `texel` metres a square.
+  LightMap(const Stage& stage, const std::vector<LampSpec>& lamps, const Patch* patch, float texel);
+
+  [[nodiscard]] LightShares at(const SurfacePoint& point);
+
+ private:
+  static constexpr int kTile = 32, kStored = kTile + 1, kBaked = kTile + 3;
+  struct Tile {
+    std::vector<float> shares;        ///< kStored^2 squares x (1 + lamps)
+    std::vector<std::uint8_t> steep;  ///< kTile^2 bits between four squares
+  };
+  struct Baked {
+    float shares[kMaxLamps + 1];
+    bool covered = false, mixed[kMaxLamps] = {};
+  };
+
+  const Tile& tile(int i, int j);
+  [[nodiscard]] std::unique_ptr<Tile> bakeTile(int i, int j) const;
+  [[nodiscard]] Texel texelAt(int i, int j) const;
+  [[nodiscard]] Baked bake(const Texel& texel) const;
+  void uncover(const std::vector<Baked>& baked, int i, int j, float* shares) const;
+  void markSteep(const std::vector<Baked>& baked, Tile& tile) const;
+
+  const Stage& stage_;
+  const std::vector<LampSpec>& lamps_;
+  const Patch* patch_;
+  float texel_;
+  Eigen::AlignedBox2f shaded_;  ///< part of the floor that solids can darken
+  Eigen::Vector2f per_cell_ = Eigen::Vector2f::Ones();  ///< squares a cell of the patch's grid
+  std::unordered_map<std::uint64_t, std::unique_ptr<Tile>> tiles_;
+  std::uint64_t last_key_ = 0;
+  const Tile* last_ = nullptr;
+};
+
+}  // namespace ipm_mapping::sim

@@ -1,0 +1,117 @@
+#include "ipm_mapping_sim/tracer.hpp"
+
+#include <limits>
+#include <stdexcept>
+
+namespace ipm_mapping::sim {
+namespace {
+
+void attach(RTCDevice device, RTCScene scene, const Patch& patch, unsigned id) {
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0,
+                                                               RTC_FORMAT_FLOAT3, 3 * sizeof(float),
+                                                               patch.points.size()));
+  for (const Eigen::Vector3f& p : patch.points) {
+    for (int k = 0; k < 3; ++k) *vertices++ = p[k];
+  }
+  const int triangles = patch.triangleCount();
+  auto* indices = static_cast<unsigned*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                              3 * sizeof(unsigned), static_cast<std::size_t>(triangles)));
+  for (int prim = 0; prim < triangles; ++prim) {
+    const Eigen::Vector3i corners = patch.triangle(prim);
+    for (int k = 0; k < 3; ++k) *indices++ = static_cast<unsigned>(corners[k]);
+  }
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometryByID(scene, geometry, id);
+  rtcReleaseGeometry(geometry);
+}
+
+template <class Packet>
+void fill(const RayPacket& rays, Packet& packet) {
+  for (int k = 0; k < kPacket; ++k) {
+    packet.org_x[k] = rays.origin[k].x();
+    packet.org_y[k] = rays.origin[k].y();
+    packet.org_z[k] = rays.origin[k].z();
+    packet.dir_x[k] = rays.direction[k].x();
+    packet.dir_y[k] = rays.direction[k].y();
+    packet.dir_z[k] = rays.direction[k].z();
+    packet.tnear[k] = 0.0F;
+    packet.tfar[k] = rays.reach[k];
+    packet.time[k] = 0.0F;
+    packet.mask[k] = ~0U;
+    packet.id[k] = static_cast<unsigned>(k);
+    packet.flags[k] = 0;
+  }
+}
+
+RTCIntersectContext coherentContext() {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  return context;
+}
+
+}  // namespace
+
+Tracer::Tracer(const std::vector<const Patch*>& patches) {
+  // One thread keeps the order in which the hierarchy is built, and with it the bytes, fixed.
+  device_ = rtcNewDevice("threads=1,set_affinity=0");
+  if (device_ == nullptr) throw std::runtime_error("cannot start the ray tracer");
+  scene_ = rtcNewScene(device_);
+  rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    attach(device_, scene_, *patches[i], static_cast<unsigned>(i));
+  }
+  rtcCommitScene(scene_);
+}
+
+Tracer::~Tracer() {
+  rtcReleaseScene(scene_);
+  rtcReleaseDevice(device_);
+}
+
+void Tracer::nearest(const RayPacket& rays, Hit* hits) const {
+  RTCIntersectContext context = coherentContext();
+  RTCRayHit16 packet;
+  fill(rays, packet.ray);
+  for (int k = 0; k < kPacket; ++k) packet.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect16(rays.active, scene_, &context, &packet);
+  for (int k = 0; k < kPacket; ++k) {
+    if (packet.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) {
+      hits[k] = Hit{};
+    } else {
+      hits[k] = {static_cast<int>(packet.hit.geomID[k]), static_cast<int>(packet.hit.primID[k]),
+                 packet.hit.u[k], packet.hit.v[k], packet.ray.tfar[k]};
+    }
+  }
+}
+
+Hit Tracer::nearest(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction,
+                    float reach) const {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRayHit ray{};
+  ray.ray = {
+      origin.x(), origin.y(), origin.z(), 0.0F, direction.x(), direction.y(), direction.z(), 0.0F,
+      reach,      ~0U,        0U,         0U};
+  ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(scene_, &context, &ray);
+  if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
+  return {static_cast<int>(ray.hit.geomID), static_cast<int>(ray.hit.primID), ray.hit.u, ray.hit.v,
+          ray.ray.tfar};
+}
+
+unsigned Tracer::blocked(const RayPacket& rays) const {
+  RTCIntersectContext context = coherentContext();
+  RTCRay16 packet;
+  fill(rays, packet);
+  rtcOccluded16(rays.active, scene_, &context, &packet);
+  unsigned bits = 0;
+  for (int k = 0; k < kPacket; ++k) {
+    if (rays.active[k] != 0 && packet.tfar[k] < 0.0F) bits |= 1U << k;
+  }
+  return bits;
+}
+
+}  // namespace ipm_mapping::sim

@@ -1,0 +1,78 @@
+#include <memory>
+#include <optional>
+#include <pluginlib/class_list_macros.hpp>
+
+#include "ipm_mapping/detectors/pipeline.hpp"
+#include "ipm_mapping/ros/frame_source.hpp"
+#include "ipm_mapping/ros/live_parameters.hpp"
+#include "ipm_mapping/ros/obstacle_outputs.hpp"
+#include "ipm_mapping/ros/overlay_output.hpp"
+#include "ipm_mapping/ros/parameter_loader.hpp"
+#include "ipm_mapping/ros/stage_nodelet.hpp"
+
+namespace ipm_mapping {
+
+/// Camera and odometry in, obstacles out: any detector in one piece, `detector/kind` names it.
+class Detect : public StageNodelet {
+  void start() override {
+    const Parameters parameters = loadParameters(privateNode());
+    detector_ = makeDetector(parameters);
+    source_.emplace(
+        node(), privateNode(), parameters, monitor(),
+        FrameSource::Handlers{
+            [this](const CameraModel& camera, const CameraPose& T_base_camera) {
+              detector_->setCamera(camera, T_base_camera);
+            },
+            [this] { detector_->reset(); },
+            [this](const Frame& frame, const FrameInfo& info) { return process(frame, info); }});
+    monitor().setAsleep(true);
+    obstacle_outputs_.emplace(node(), outputs_, parameters.output);
+    overlay_ = outputs_.advertiseImage(node(), "overlay");
+    live_.emplace(privateNode(), parameters, liveGroups(),
+                  [this](const Parameters& changed) { change(changed); });
+  }
+
+  /// Everything but what the map and the odometry's gate are made with.
+  static std::vector<std::string> liveGroups() {
+    std::vector<std::string> groups;
+    const Parameters parameters;
+    Parameters::groups(parameters, [&](const std::string& name, const auto&) {
+      if (name != "map" && name != "odometry") groups.push_back(name);
+    });
+    return groups;
+  }
+
+  void change(const Parameters& changed) {
+    detector_ = makeDetector(changed);
+    source_->setParameters(changed.camera);
+    obstacle_outputs_->setParameters(changed.output);
+  }
+
+  void setAwake(bool awake) {
+    monitor().setAsleep(!awake);
+    guarded([&] { awake ? source_->start() : source_->stop(); });
+  }
+
+  FrameStatus process(const Frame& frame, const FrameInfo& info) {
+    const FrameStatus status = detector_->process(frame, obstacles_);
+    if (status == FrameStatus::Used) {
+      obstacle_outputs_->publish(obstacles_, info.header.stamp, info.frames, detector_->id());
+      publishOverlay(overlay_, frame.image, obstacles_, info.header);
+    }
+    monitor().set("contacts", static_cast<double>(obstacles_.contacts.size()));
+    monitor().set("separability", obstacles_.separability);
+    return status;
+  }
+
+  std::unique_ptr<Detector> detector_;
+  Obstacles obstacles_;
+  std::optional<FrameSource> source_;
+  LazyOutputs outputs_{[this](bool awake) { setAwake(awake); }};
+  std::optional<ObstacleOutputs> obstacle_outputs_;
+  std::optional<LiveParameters> live_;
+  image_transport::Publisher overlay_;
+};
+
+}  // namespace ipm_mapping
+
+PLUGINLIB_EXPORT_CLASS(ipm_mapping::Detect, nodelet::Nodelet)

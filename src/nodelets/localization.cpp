@@ -1,0 +1,86 @@
+#include <ipm_mapping/ObstacleMask.h>
+
+#include <optional>
+#include <pluginlib/class_list_macros.hpp>
+
+#include "ipm_mapping/detectors/localization.hpp"
+#include "ipm_mapping/parameters/node_parameters.hpp"
+#include "ipm_mapping/ros/live_parameters.hpp"
+#include "ipm_mapping/ros/obstacle_outputs.hpp"
+#include "ipm_mapping/ros/overlay_output.hpp"
+#include "ipm_mapping/ros/parameter_loader.hpp"
+#include "ipm_mapping/ros/stage_nodelet.hpp"
+
+namespace ipm_mapping {
+
+/// Obstacle mask in, obstacles out, as message, scan and clouds (the source, chapter 5).
+class LocalizationNodelet : public StageNodelet {
+  void start() override {
+    const Parameters parameters = loadParameters(privateNode());
+    localization_.emplace(parameters.localization);
+    queue_ = static_cast<std::uint32_t>(loadStruct<StageParameters>(privateNode()).queue);
+    monitor().expect(node().resolveName("mask"));
+    monitor().setAsleep(true);
+    obstacle_outputs_.emplace(node(), outputs_, parameters.output);
+    overlay_ = outputs_.advertiseImage(node(), "overlay");
+    pictures_.emplace(node(), privateNode(), parameters.camera.image_time_offset);
+    live_.emplace(privateNode(), parameters, std::vector<std::string>{"localization", "output"},
+                  [this](const Parameters& changed) {
+                    localization_->setParameters(changed.localization);
+                    obstacle_outputs_->setParameters(changed.output);
+                  });
+  }
+
+  void setAwake(bool awake) {
+    monitor().setAsleep(!awake);
+    if (awake)
+      mask_ = node().subscribe("mask", queue_, &LocalizationNodelet::onMask, this,
+                               ros::TransportHints().tcpNoDelay());
+    else
+      mask_.shutdown();
+  }
+
+  void onMask(const ObstacleMaskConstPtr& input) {
+    monitor().received();
+    guarded([&] { process(*input); });
+  }
+
+  void process(const ObstacleMask& input) {
+    GrayView mask;
+    Refusal refusal = wrap(input, mask);
+    if (!refusal) refusal = fromMessage(input.view, input.header.stamp, view_);
+    if (refusal) return monitor().dropped("bad_image", *refusal);
+    obstacles_.clear();
+    obstacles_.frame = input.frame;
+    obstacles_.threshold = input.threshold;
+    obstacles_.separability = input.separability;
+    const FrameStatus status = localization_->process(view_, mask, obstacles_);
+    if (status == FrameStatus::Used) publish(input);
+    monitor().set("contacts", static_cast<double>(obstacles_.contacts.size()));
+    monitor().answered(status, input.header.stamp, "the view of this mask has no usable beam");
+  }
+
+  void publish(const ObstacleMask& input) {
+    obstacle_outputs_->publish(obstacles_, input.header.stamp,
+                               {input.view.base_frame, input.view.odom_frame}, "chain");
+    pictures_->want(overlay_.getNumSubscribers() > 0);
+    GrayPicture picture;
+    if (overlay_.getNumSubscribers() > 0 && pictures_->find(input.header.stamp, picture))
+      publishOverlay(overlay_, picture.view, obstacles_, input.header);
+  }
+
+  std::optional<Localization> localization_;
+  GroundView view_;
+  Obstacles obstacles_;
+  std::uint32_t queue_ = 1;
+  LazyOutputs outputs_{[this](bool awake) { setAwake(awake); }};
+  std::optional<ObstacleOutputs> obstacle_outputs_;
+  std::optional<CameraPictures> pictures_;
+  std::optional<LiveParameters> live_;
+  image_transport::Publisher overlay_;
+  ros::Subscriber mask_;
+};
+
+}  // namespace ipm_mapping
+
+PLUGINLIB_EXPORT_CLASS(ipm_mapping::LocalizationNodelet, nodelet::Nodelet)

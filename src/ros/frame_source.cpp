@@ -1,0 +1,166 @@
+#include "ipm_mapping/ros/frame_source.hpp"
+
+#include <utility>
+
+#include "ipm_mapping/ros/camera_info.hpp"
+#include "ipm_mapping/ros/parameter_loader.hpp"
+#include "ipm_mapping/ros/sentence.hpp"
+
+namespace ipm_mapping {
+namespace {
+
+std::string explain(GateDrop reason, const std::string& odometry) {
+  switch (reason) {
+    case GateDrop::Overflow:
+      return "too many images wait for odometry on " + odometry;
+    case GateDrop::NoOdometry:
+      return "odometry on " + odometry + " does not reach the images' stamps";
+    case GateDrop::TooOld:
+      return "image older than all odometry on " + odometry;
+    case GateDrop::OdometryGap:
+      return "gap in the odometry on " + odometry;
+    case GateDrop::OutOfOrder:
+      return "image is not newer than the one before it";
+    case GateDrop::BadStamp:
+      return "image without a usable stamp";
+    case GateDrop::ClockJump:
+      return "image still waited for odometry when the clock was set back";
+  }
+  return "image dropped";
+}
+
+}  // namespace
+
+FrameSource::FrameSource(ros::NodeHandle& node, ros::NodeHandle& private_node,
+                         const Parameters& parameters, StageMonitor& monitor, Handlers handlers)
+    : camera_parameters_(parameters.camera),
+      source_parameters_(loadStruct<SourceParameters>(private_node)),
+      odometry_parameters_(parameters.odometry),
+      monitor_(monitor),
+      handlers_(std::move(handlers)),
+      tf_listener_(tf_, node, false),
+      camera_(node, tf_, parameters.camera, monitor),
+      odometry_(node, tf_, source_parameters_,
+                [this](double stamp, const SE2& pose) { onOdometry(stamp, pose); }),
+      images_(node, private_node, "image_raw", source_parameters_.queue,
+              [this](const CameraMessage& message) { onImage(message); }),
+      gate_(parameters.odometry, static_cast<std::size_t>(source_parameters_.waiting_frames)) {
+  tf_.setUsingDedicatedThread(true);
+  monitor_.expect(images_.topic());
+  // Frames that wait for tf or camera_info move on when it comes, not with the next image.
+  pumper_ = node.createWallTimer(
+      ros::WallDuration(0.2), [this](const ros::WallTimerEvent&) { pump(); }, false, false);
+}
+
+void FrameSource::setParameters(const CameraParameters& parameters) {
+  camera_parameters_ = parameters;
+  camera_.setParameters(parameters);
+  camera_revision_ = -1;
+}
+
+void FrameSource::start() {
+  gate_ = Gate(odometry_parameters_, static_cast<std::size_t>(source_parameters_.waiting_frames));
+  reported_drops_.fill(0);
+  waiting_since_.reset();
+  handlers_.reset();
+  odometry_.start();
+  images_.start();
+  pumper_.start();
+}
+
+void FrameSource::stop() {
+  pumper_.stop();
+  images_.stop();
+  odometry_.stop();
+}
+
+void FrameSource::restart(const char* why) {
+  monitor_.count("resets");
+  monitor_.warn(sentence(why, ", history starts anew"));
+  handlers_.reset();
+}
+
+void FrameSource::onImage(const CameraMessage& message) {
+  monitor_.received();
+  optical_frame_ = withoutSlash(message.header().frame_id);
+  newest_image_ = message.header().stamp.toSec() + camera_parameters_.image_time_offset;
+  if (gate_.addFrame(newest_image_, {next_index_++, message})) {
+    waiting_since_.reset();
+    restart("clock of the images was set back");
+  }
+  pump();
+}
+
+void FrameSource::onOdometry(double stamp, const SE2& T_odom_base) {
+  OdometryVerdict verdict = OdometryVerdict::Accepted;
+  const bool anew = gate_.addOdometry(stamp, T_odom_base, &verdict);
+  if (verdict != OdometryVerdict::Accepted)
+    monitor_.count(std::string("odometry_") + name(verdict));
+  if (verdict == OdometryVerdict::NotFinite) monitor_.warn("odometry is not finite");
+  if (anew) {
+    waiting_since_.reset();
+    restart(verdict == OdometryVerdict::TimeJump ? "clock of the odometry was set back"
+                                                 : "odometry jumped");
+  }
+  pump();
+}
+
+bool FrameSource::patient() const {
+  if (!waiting_since_) return true;
+  const double patience = source_parameters_.patience;
+  return newest_image_ - waiting_since_->stamp <= patience &&
+         (ros::WallTime::now() - waiting_since_->arrival).toSec() <= patience;
+}
+
+bool FrameSource::cameraKnown() {
+  // Without odometry the gate drops the frames by itself, and says so.
+  if (gate_.waiting() == 0 || odometry_.frames().base.empty()) return true;
+  if (camera_.update(optical_frame_, odometry_.frames().base, patient())) {
+    waiting_since_.reset();
+    return true;
+  }
+  if (!waiting_since_) waiting_since_ = {newest_image_, ros::WallTime::now()};
+  return false;
+}
+
+void FrameSource::pump() {
+  // Frames wait for a camera that may still become known; afterwards they are released to be
+  // counted as lost.
+  const bool release = cameraKnown() || !patient();
+  Gate::Released frame;
+  while (release && gate_.next(frame)) process(frame);
+  reportGate();
+  if (const auto newest = gate_.odometry().newest())
+    monitor_.set("odometry_behind_images_s", newest_image_ - *newest);
+}
+
+void FrameSource::process(const Gate::Released& frame) {
+  const CameraMessage& message = frame.payload.message;
+  GrayPicture picture;
+  if (const Refusal refusal = message.toGray(picture))
+    return monitor_.dropped("bad_image", images_.topic() + ": " + *refusal);
+  if (!camera_.update(optical_frame_, odometry_.frames().base, false))
+    return monitor_.dropped(name(FrameStatus::NoCamera), camera_.complaint());
+  if (const Refusal refusal = checkSize(camera_.model(), picture.view.width, picture.view.height))
+    return monitor_.dropped(name(FrameStatus::SizeMismatch), images_.topic() + ": " + *refusal);
+  if (camera_.revision() != camera_revision_) {
+    camera_revision_ = camera_.revision();
+    handlers_.camera(camera_.model(), camera_.T_base_camera());
+  }
+  FrameInfo info{message.header(), odometry_.frames()};
+  if (camera_parameters_.image_time_offset != 0.0) info.header.stamp = rosTime(frame.stamp);
+  const FrameStatus status =
+      handlers_.frame({frame.payload.index, frame.stamp, picture.view, frame.T_odom_base}, info);
+  monitor_.answered(status, info.header.stamp, "the geometry of this frame cannot be used");
+}
+
+void FrameSource::reportGate() {
+  for (int i = 0; i < gate_drop_count; ++i) {
+    const auto reason = static_cast<GateDrop>(i);
+    std::uint64_t& reported = reported_drops_[static_cast<std::size_t>(i)];
+    for (; reported < gate_.dropped(reason); ++reported)
+      monitor_.dropped(name(reason), explain(reason, odometry_.topic()));
+  }
+}
+
+}  // namespace ipm_mapping

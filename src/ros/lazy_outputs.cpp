@@ -1,0 +1,18 @@
+#include "ipm_mapping/ros/lazy_outputs.hpp"
+
+#include <boost/make_shared.hpp>
+
+#include "ipm_mapping/ros/images.hpp"
+
+namespace ipm_mapping {
+
+void publishPicture(const image_transport::Publisher& publisher, GrayView picture,
+                    const std_msgs::Header& header) {
+  if (publisher.getNumSubscribers() == 0) return;
+  auto message = boost::make_shared<sensor_msgs::Image>();
+  message->header = header;
+  copyMono8(picture, *message);
+  publisher.publish(message);
+}
+
+}  // namespace ipm_mapping

@@ -1,0 +1,57 @@
+#include "ipm_mapping/ros/odometry_source.hpp"
+
+#include <tf2/exceptions.h>
+
+#include <utility>
+
+#include "ipm_mapping/ros/poses.hpp"
+
+namespace ipm_mapping {
+namespace {
+
+constexpr int queue_length = 500;
+
+std::string firstGiven(const std::string& a, const std::string& b, const char* c) {
+  return !a.empty() ? a : !b.empty() ? b : c;
+}
+
+}  // namespace
+
+OdometrySource::OdometrySource(ros::NodeHandle& node, const tf2::BufferCore& tf,
+                               const SourceParameters& parameters, Handler handler)
+    : node_(node), tf_(tf), parameters_(parameters), handler_(std::move(handler)) {
+  frames_ = {withoutSlash(parameters.base_frame), withoutSlash(parameters.odom_frame)};
+  if (parameters.odometry_source == PoseOrigin::Tf) name("", "");
+}
+
+void OdometrySource::start() {
+  const auto hints = ros::TransportHints().tcpNoDelay();
+  if (parameters_.odometry_source == PoseOrigin::Tf)
+    subscriber_ = node_.subscribe("/tf", queue_length, &OdometrySource::onTf, this, hints);
+  else
+    subscriber_ = node_.subscribe("odom", queue_length, &OdometrySource::onOdometry, this, hints);
+}
+
+void OdometrySource::name(const std::string& base, const std::string& odom) {
+  frames_.base = withoutSlash(firstGiven(parameters_.base_frame, base, "base_footprint"));
+  frames_.odom = withoutSlash(firstGiven(parameters_.odom_frame, odom, "odom"));
+}
+
+void OdometrySource::onOdometry(const nav_msgs::OdometryConstPtr& odometry) {
+  name(odometry->child_frame_id, odometry->header.frame_id);
+  handler_(odometry->header.stamp.toSec(), toSE2(odometry->pose.pose));
+}
+
+void OdometrySource::onTf(const tf2_msgs::TFMessageConstPtr&) {
+  if (!tf_.canTransform(frames_.odom, frames_.base, ros::Time(0))) return;
+  try {
+    const auto pose = tf_.lookupTransform(frames_.odom, frames_.base, ros::Time(0));
+    if (pose.header.stamp == last_tf_) return;
+    last_tf_ = pose.header.stamp;
+    handler_(last_tf_.toSec(), toSE2(pose.transform));
+  } catch (const tf2::TransformException&) {
+    return;  // the next message may complete the chain
+  }
+}
+
+}  // namespace ipm_mapping

@@ -1,0 +1,111 @@
+#include "ipm_mapping/ros/stage_monitor.hpp"
+
+#include <ros/console.h>
+
+#include <utility>
+
+namespace ipm_mapping {
+namespace {
+
+constexpr double repeat_seconds = 5.0;
+constexpr std::size_t remembered_sentences = 64;
+
+using diagnostic_msgs::DiagnosticStatus;
+
+}  // namespace
+
+StageMonitor::StageMonitor(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
+                           std::string name)
+    : name_(std::move(name)), updater_(node, private_node, name_) {
+  updater_.setHardwareID("none");
+  updater_.add("frames", this, &StageMonitor::report);
+  timer_ = node.createWallTimer(ros::WallDuration(1.0),
+                                [this](const ros::WallTimerEvent&) { updater_.force_update(); });
+}
+
+void StageMonitor::received() {
+  ++counters_["received"];
+  ++period_.received;
+}
+
+void StageMonitor::used(const ros::Time& stamp) {
+  ++counters_["used"];
+  ++period_.used;
+  period_.latency = (ros::Time::now() - stamp).toSec();
+}
+
+void StageMonitor::skipped(const std::string& reason) {
+  ++counters_["skipped_" + reason];
+  ++period_.skipped;
+  last_skip_ = reason;
+}
+
+void StageMonitor::dropped(const std::string& reason, const std::string& sentence) {
+  ++counters_["dropped_" + reason];
+  ++period_.dropped;
+  last_fault_ = sentence;
+  if (timeToSay(sentence)) ROS_ERROR_STREAM(name_ << ": " << sentence);
+}
+
+void StageMonitor::warn(const std::string& sentence) {
+  if (timeToSay(sentence)) ROS_WARN_STREAM(name_ << ": " << sentence);
+}
+
+void StageMonitor::answered(FrameStatus status, const ros::Time& stamp,
+                            const std::string& sentence) {
+  switch (status) {
+    case FrameStatus::Used:
+      return used(stamp);
+    case FrameStatus::NoReference:
+    case FrameStatus::NoMotion:
+    case FrameStatus::TooMuchRotation:
+      return skipped(ipm_mapping::name(status));
+    default:
+      return dropped(ipm_mapping::name(status), sentence);
+  }
+}
+
+std::uint64_t StageMonitor::counter(const std::string& reason) const {
+  const auto found = counters_.find(reason);
+  return found == counters_.end() ? 0 : found->second;
+}
+
+bool StageMonitor::timeToSay(const std::string& sentence) {
+  const ros::WallTime now = ros::WallTime::now();
+  if (said_.size() > remembered_sentences) said_.clear();
+  ros::WallTime& last = said_[sentence];
+  if ((now - last).toSec() < repeat_seconds) return false;
+  last = now;
+  return true;
+}
+
+void StageMonitor::summarize(diagnostic_updater::DiagnosticStatusWrapper& status) const {
+  if (asleep_)
+    status.summary(DiagnosticStatus::OK, "asleep: nobody listens");
+  else if (period_.dropped > 0)
+    status.summary(period_.used > 0 ? DiagnosticStatus::WARN : DiagnosticStatus::ERROR,
+                   last_fault_);
+  else if (period_.received == 0)
+    status.summary(DiagnosticStatus::WARN, "nothing comes in on " + expected_);
+  else if (period_.used == 0 && period_.skipped > 0)
+    status.summary(DiagnosticStatus::OK, "no new evidence: " + last_skip_);
+  else if (period_.used == 0)
+    status.summary(DiagnosticStatus::WARN, "frames wait");
+  else
+    status.summary(DiagnosticStatus::OK, "frames are used");
+}
+
+void StageMonitor::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  const ros::WallTime now = ros::WallTime::now();
+  const double seconds = (now - period_start_).toSec();
+  summarize(status);
+  status.addf("input_rate_hz", "%.2f", static_cast<double>(period_.received) / seconds);
+  status.addf("used_rate_hz", "%.2f", static_cast<double>(period_.used) / seconds);
+  if (period_.used > 0) status.addf("latency_s", "%.4f", period_.latency);
+  for (const auto& [name, value] : values_) status.addf(name, "%g", value);
+  for (const auto& [name, value] : counters_) status.add(name, value);
+  period_ = {};
+  period_start_ = now;
+}
+
+}  // namespace ipm_mapping

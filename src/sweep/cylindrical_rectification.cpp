@@ -1,0 +1,81 @@
+#include "ipm_mapping/sweep/cylindrical_rectification.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "ipm_mapping/kernels/sweep_rectify.hpp"
+
+namespace ipm_mapping::sweep {
+namespace {
+
+constexpr double border = 2.0;  // pixels: the smoothing needs one, the interpolation another
+
+/// Weights of the four neighbours in the order of the pair image's bytes: (0,0) (0,1) (1,0) (1,1)
+/// as (u, v); they sum to 128 exactly.
+std::uint32_t packedWeights(double du, double dv) {
+  const std::array<double, 4> exact{(1 - du) * (1 - dv), (1 - du) * dv, du * (1 - dv), du * dv};
+  std::array<int, 4> w{};
+  int sum = 0;
+  for (std::size_t i = 0; i < 4; ++i) sum += w[i] = static_cast<int>(std::lround(128.0 * exact[i]));
+  *std::max_element(w.begin(), w.end()) += 128 - sum;
+  std::uint32_t packed = 0;
+  for (std::size_t i = 0; i < 4; ++i) packed |= static_cast<std::uint32_t>(w[i]) << (8 * i);
+  return packed;
+}
+
+}  // namespace
+
+std::vector<RowRange> commonRows(const std::vector<RowRange>& rows, int lines) {
+  std::vector<RowRange> common;
+  for (std::size_t first = 0; first + static_cast<std::size_t>(lines) <= rows.size(); ++first) {
+    RowRange all = rows[first];
+    for (int k = 1; k < lines; ++k)
+      all = intersection(all, rows[first + static_cast<std::size_t>(k)]);
+    common.push_back(all);
+  }
+  return common;
+}
+
+void CylindricalRectification::configure(const CameraModel& camera, const CameraPose& T_base_camera,
+                                         const PolarGrid& grid) {
+  grid_ = grid;
+  ranges_.assign(static_cast<std::size_t>(grid.lines), RowRange{});
+  offsets_.resize(grid.rows, grid.lines);
+  weights_.resize(grid.rows, grid.lines);
+  smooth_.resize(camera.width(), camera.height());
+  pairs_.resize(camera.width(), camera.height());
+  for (int line = 0; line < grid.lines; ++line) compileLine(camera, T_base_camera, line);
+}
+
+/// A line is one plane through the camera: what the image shows of it is one run of rows.
+void CylindricalRectification::compileLine(const CameraModel& camera,
+                                           const CameraPose& T_base_camera, int line) {
+  RowRange& range = ranges_[static_cast<std::size_t>(line)];
+  for (int row = 0; row < grid_.rows; ++row) {
+    double u = 0.0, v = 0.0;
+    const bool seen = rawPixel(camera, T_base_camera, grid_.azimuth(line), grid_.r(row), u, v) &&
+                      u >= border && v >= border && u < camera.width() - 1 - border &&
+                      v < camera.height() - 1 - border;
+    if (!seen && range.size() > 0) break;
+    if (!seen) continue;
+    if (range.size() == 0) range = {row, row};
+    range.end = row + 1;
+    const int iu = static_cast<int>(u), iv = static_cast<int>(v);
+    offsets_.at(row, line) = (iv * camera.width() + iu) * 2;
+    weights_.at(row, line) = packedWeights(u - iu, v - iv);
+  }
+}
+
+void CylindricalRectification::rectify(GrayView raw, ImageView<std::uint8_t> rectified) {
+  kernels::smooth121(raw, smooth_.view());
+  kernels::pairRows(smooth_.view(), pairs_.view());
+  for (int line = 0; line < grid_.lines; ++line) {
+    const RowRange range = rows(line);
+    kernels::samplePlan(pairs_.view(), offsets_.row(line) + range.begin,
+                        weights_.row(line) + range.begin, range.size(),
+                        rectified.row(line) + range.begin);
+  }
+}
+
+}  // namespace ipm_mapping::sweep

@@ -1,0 +1,152 @@
+#include "ipm_mapping/sweep/floor_cost.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ipm_mapping/kernels/sweep_costs.hpp"
+
+namespace ipm_mapping::sweep {
+namespace {
+
+constexpr int block = 8;               // rows and lines between exact positions
+constexpr double node_unit = 1024.0;   // of positions at nodes
+constexpr double fixed_one = 16384.0;  // of gain and offset
+constexpr double least_gain = 0.5, most_gain = 1.5;
+
+}  // namespace
+
+std::int32_t Photometric::fixedGain() const {
+  return static_cast<std::int32_t>(
+      std::lround(fixed_one * std::clamp(gain, least_gain, most_gain)));
+}
+
+std::int32_t Photometric::fixedOffset() const {
+  return static_cast<std::int32_t>(std::lround(fixed_one * std::clamp(offset, -64.0, 64.0)));
+}
+
+void FloorCost::configure(const PolarGrid& grid, const std::vector<RowRange>& reference_rows,
+                          const EvidenceParameters& p) {
+  grid_ = grid;
+  reference_rows_ = reference_rows;
+  beam_step_ = p.beam_step;
+  half_lines_ = static_cast<int>(std::lround(0.5 * p.drift_width * grid.lines_per_radian));
+  half_rows_ = static_cast<int>(
+      std::lround(0.5 * p.drift_length * grid.rows_per_log / PolarGrid::rows_per_sweep_row));
+  const int rows = grid.sweepRows();
+  node_rows_ = (rows + block - 1) / block + 1;
+  node_lines_ = (grid.lines + block - 1) / block + 1;
+  row_nodes_.resize(node_rows_, node_lines_);
+  line_nodes_.resize(node_rows_, node_lines_);
+  rows_here_.resize(static_cast<std::size_t>(node_rows_));
+  lines_here_.resize(static_cast<std::size_t>(node_rows_));
+  row_path_.resize(static_cast<std::size_t>(node_rows_ * block));
+  line_path_.resize(static_cast<std::size_t>(node_rows_ * block));
+  residual_.resize(rows, grid.lines, kernels::no_residual);
+  const auto n = static_cast<std::size_t>(rows + kernels::overrun);
+  sum_.resize(n);
+  number_.resize(n);
+  mean_.resize(n);
+  sum_prefix_.resize(n + static_cast<std::size_t>(2 * half_rows_ + 1));
+  number_prefix_.resize(sum_prefix_.size());
+}
+
+/// Exact reference positions of the floor on a coarse lattice of rows and lines.
+void FloorCost::buildNodes(const FootMotion& motion) {
+  for (int l = 0; l < node_lines_; ++l) {
+    const double azimuth = grid_.azimuth(l * block);
+    const Eigen::Vector2d direction(std::cos(azimuth), std::sin(azimuth));
+    for (int k = 0; k < node_rows_; ++k) {
+      const double distance = grid_.distance(k * block * PolarGrid::rows_per_sweep_row);
+      const Eigen::Vector2d p = motion * (distance * direction);
+      row_nodes_.at(k, l) = static_cast<std::int32_t>(
+          std::lround(node_unit * std::clamp(grid_.rowOfSquared(p.squaredNorm()), -1e5, 1e5)));
+      line_nodes_.at(k, l) =
+          static_cast<std::int32_t>(std::lround(node_unit * grid_.line(std::atan2(p.y(), p.x()))));
+    }
+  }
+}
+
+/// Positions at the nodes of one line, between those of the two node lines beside it.
+void FloorCost::nodesOf(int line) {
+  const int l = line / block, t = line % block;
+  for (int k = 0; k < node_rows_; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    rows_here_[i] = ((block - t) * row_nodes_.at(k, l) + t * row_nodes_.at(k, l + 1)) / block;
+    lines_here_[i] = ((block - t) * line_nodes_.at(k, l) + t * line_nodes_.at(k, l + 1)) / block;
+  }
+  kernels::interpolateNodes(rows_here_.data(), node_rows_ - 1, row_path_.data());
+  kernels::interpolateNodes(lines_here_.data(), node_rows_ - 1, line_path_.data());
+}
+
+/// Shrinks a run of rows of a line until its ends are seen by the reference too. What a reference
+/// sees of the floor is convex, so nothing is missing in between.
+RowRange FloorCost::seenInBoth(int /*line*/, RowRange rows) const {
+  const auto seen = [&](int j) {
+    const auto i = static_cast<std::size_t>(j);
+    const std::int32_t l = line_path_[i] >> 6, r = row_path_[i] >> 6;
+    if (line_path_[i] < 0 || l + 1 >= grid_.lines) return false;
+    const RowRange a = reference_rows_[static_cast<std::size_t>(l)];
+    const RowRange b = reference_rows_[static_cast<std::size_t>(l) + 1];
+    const RowRange both = intersection(a, b);
+    return r >= both.begin && r + 1 < both.end;
+  };
+  while (rows.size() > 0 && !seen(rows.begin)) ++rows.begin;
+  while (rows.size() > 0 && !seen(rows.end - 1)) --rows.end;
+  return rows;
+}
+
+/// Mean residual around every row of a line, from the sums over the lines beside it.
+void FloorCost::meanOf(int line) {
+  const int rows = grid_.sweepRows();
+  const int entering = line + half_lines_, leaving = line - half_lines_ - 1;
+  if (entering < grid_.lines)
+    kernels::accumulateResidual(residual_.row(entering), 1, rows, sum_.data(), number_.data());
+  if (leaving >= 0)
+    kernels::accumulateResidual(residual_.row(leaving), -1, rows, sum_.data(), number_.data());
+  const int last = rows + 2 * half_rows_ + 1;
+  std::int32_t sum = 0, number = 0;
+  for (int k = 0; k < last; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    sum_prefix_[i] = sum;
+    number_prefix_[i] = number;
+    const int row = k - half_rows_;
+    if (row < 0 || row >= rows) continue;
+    sum += sum_[static_cast<std::size_t>(row)];
+    number += number_[static_cast<std::size_t>(row)];
+  }
+  kernels::windowMean(sum_prefix_.data(), number_prefix_.data(), half_rows_, rows, mean_.data());
+}
+
+void FloorCost::evaluate(const CurrentView& current, ImageView<const std::uint8_t> reference,
+                         const FootMotion& motion, const Photometric& photometric,
+                         ImageView<std::uint16_t> cost) {
+  const int rows = grid_.sweepRows();
+  buildNodes(motion);
+  for (int line = 0; line < grid_.lines; ++line) {
+    std::int16_t* out = residual_.row(line);
+    std::fill(out, out + rows, kernels::no_residual);
+    const RowRange seen_now = (*current.rows)[static_cast<std::size_t>(line)];
+    if (seen_now.size() == 0) continue;
+    nodesOf(line);
+    const RowRange both = seenInBoth(line, seen_now);
+    kernels::pathResidual(reference.data, static_cast<std::int32_t>(reference.stride),
+                          row_path_.data() + both.begin, line_path_.data() + both.begin,
+                          photometric.fixedGain(), photometric.fixedOffset(),
+                          current.grey.row(line) + both.begin, both.size(), out + both.begin);
+  }
+  std::fill(sum_.begin(), sum_.end(), 0);
+  std::fill(number_.begin(), number_.end(), 0);
+  for (int line = 0; line < half_lines_ && line < grid_.lines; ++line)
+    kernels::accumulateResidual(residual_.row(line), 1, rows, sum_.data(), number_.data());
+  std::fill(cost.data, cost.row(cost.height), std::uint16_t{0});
+  for (int line = 0; line < grid_.lines; ++line) {
+    meanOf(line);
+    const int last = std::min(line / beam_step_, cost.height - 1);
+    const int first = std::max(0, (line - kernels::beam_lines + beam_step_) / beam_step_);
+    for (int beam = first; beam <= last; ++beam)
+      kernels::accumulateFloorCost(residual_.row(line), mean_.data(), current.weight.row(line),
+                                   rows, cost.row(beam));
+  }
+}
+
+}  // namespace ipm_mapping::sweep

@@ -1,0 +1,153 @@
+// What the sweep found, as the message that everybody reads.
+#include <algorithm>
+#include <cmath>
+
+#include "ipm_mapping/geometry/vanishing_point.hpp"
+#include "ipm_mapping/kernels/sweep_costs.hpp"
+#include "ipm_mapping/sweep/sweep_detector.hpp"
+
+namespace ipm_mapping::sweep {
+
+void SweepDetector::fillView(const Frame& frame, Obstacles& obstacles) const {
+  obstacles.frame = frame.index;
+  obstacles.max_range = max_range_;
+  GroundView& view = obstacles.view;
+  view.stamp = frame.stamp;
+  view.reference_stamp = references_[0]->stamp;
+  view.camera = camera_;
+  view.T_base_camera = T_base_camera_;
+  view.T_odom_base = frame.T_odom_base;
+}
+
+/// Range variance: the sharpness of the score's maximum, then what calibration may be off. With
+/// d = h / r: a pitch error p moves r by (1 + r^2) p, a height error e moves d by d e / h.
+Contact SweepDetector::contactOf(int beam, const BeamChoice& choice) const {
+  const double azimuth = sweep_.azimuth(beam), r = sweep_.r(choice.candidate);
+  const double d = grid_.height / r;
+  Contact contact;
+  contact.bearing = beam;
+  contact.p_base = (T_base_camera_.translation().head<2>() +
+                    d * Eigen::Vector2d(std::cos(azimuth), std::sin(azimuth)))
+                       .cast<float>();
+  double u = 0.0, v = 0.0;
+  if (undistortedPixel(camera_, T_base_camera_, azimuth, r, u, v)) {
+    contact.u = static_cast<float>(u);
+    contact.v = static_cast<float>(v);
+  }
+  contact.score = choice.score;
+  const double r_top = grid_.r(choice.top * PolarGrid::rows_per_sweep_row);
+  contact.height = static_cast<float>(grid_.height * std::max(0.0, 1.0 - r_top / r));
+  const CalibrationUncertainty& c = parameters_.uncertainty;
+  const double step = PolarGrid::rows_per_sweep_row / grid_.rows_per_log * d;
+  const double sharpness = std::max(static_cast<double>(-choice.curvature), c.least_sharpness);
+  const double by_pixel = step / std::sqrt(sharpness);
+  const double by_pitch = d * (1.0 + r * r) / r * c.sd_pitch;
+  const double by_height = d / grid_.height * c.sd_height;
+  contact.range_sigma = static_cast<float>(
+      std::sqrt(by_pixel * by_pixel + by_pitch * by_pitch + by_height * by_height));
+  return contact;
+}
+
+/// Follows the floor of one beam from the near end of the view outwards, while a window of rows
+/// stays cheap in the eyes of one reference.
+SweepDetector::FloorReach SweepDetector::floorReach(int beam, const SweepReference& view) const {
+  const RowRange rows = sweep_.rows(beam);
+  const int window = parameters_.selection.free_window;
+  const double unit = static_cast<double>(kernels::cost_unit) * window;
+  const std::uint16_t* cost = view.floor_cost.row(beam);
+  FloorReach reach;
+  int sum = 0, number = 0, row = rows.end - 1;
+  for (; row >= rows.begin && cost[row] != kernels::no_cost; --row) {
+    sum += cost[row];
+    if (++number > window) sum -= cost[row + window];
+    if (number == window) reach.nearest_cost = sum / unit;
+    if (number >= window && sum > parameters_.selection.free_cost * unit) break;
+  }
+  if (number > window) reach.range = grid_.distance((row + window) * PolarGrid::rows_per_sweep_row);
+  return reach;
+}
+
+/// What the floor alone says about a beam: free as far as every reference calls it floor, blocked
+/// where none of them finds floor at the near end of the view.
+Bearing SweepDetector::floorBearing(int beam) const {
+  Bearing bearing;
+  bearing.angle = static_cast<float>(sweep_.azimuth(beam));
+  double range = rangeLimit(sweep_.azimuth(beam)), least_cost = 9.0;
+  for (int q = 0; q < reference_count_; ++q) {
+    const FloorReach reach = floorReach(beam, views_[static_cast<std::size_t>(q)]);
+    range = std::min(range, reach.range);
+    least_cost = std::min(least_cost, reach.nearest_cost);
+  }
+  bearing.range = static_cast<float>(range);
+  if (range > 0.0) bearing.state = BearingState::Free;
+  if (least_cost > parameters_.selection.blocked_cost) bearing.state = BearingState::Blocked;
+  return bearing;
+}
+
+void SweepDetector::fillCandidates(Obstacles& obstacles) const {
+  const auto least = static_cast<float>(parameters_.selection.publish_score);
+  for (int beam = 0; beam < sweep_.beams(); ++beam) {
+    const float* s = scores_.score.row(beam);
+    for (int c = 1; c + 1 < sweep_.candidates(); ++c) {
+      if (s[c] < least || s[c] < s[c - 1] || !(s[c] > s[c + 1])) continue;
+      BeamChoice choice;
+      choice.candidate = static_cast<float>(c);
+      choice.score = s[c];
+      choice.curvature = s[c - 1] - 2.0F * s[c] + s[c + 1];
+      choice.top = scores_.top.at(c, beam);
+      obstacles.candidates.push_back(contactOf(beam, choice));
+    }
+  }
+}
+
+void SweepDetector::fillObstacles(Obstacles& obstacles) {
+  obstacles.view.motion = motions_[0].motion;
+  obstacles.focus = midFootFocus(vanishingPoints(obstacles.view));
+  fillCandidates(obstacles);
+  for (int beam = 0; beam < sweep_.beams(); ++beam) {
+    const BeamChoice& choice = choices_[static_cast<std::size_t>(beam)];
+    Bearing bearing = floorBearing(beam);
+    bearing.density = choice.score;
+    const double limit = rangeLimit(sweep_.azimuth(beam));
+    if (choice.any()) {
+      const double d = sweep_.distance(choice.candidate);
+      const int row = static_cast<int>(sweep_.sweepRow(choice.candidate));
+      if (row + 1 >= sweep_.rows(beam).end) {
+        bearing.state = BearingState::Blocked;
+        bearing.range = 0.0F;
+      } else if (d <= limit) {
+        bearing.state = BearingState::Occupied;
+        bearing.range = static_cast<float>(d);
+        obstacles.contacts.push_back(contactOf(beam, choice));
+      } else {
+        bearing.range = std::min(bearing.range, static_cast<float>(d));
+      }
+    }
+    obstacles.bearings.push_back(bearing);
+  }
+  limitFree(obstacles);
+}
+
+/// Beside a contact nothing farther is called free.
+void SweepDetector::limitFree(Obstacles& obstacles) const {
+  const int count = static_cast<int>(obstacles.bearings.size());
+  for (const Contact& contact : obstacles.contacts) {
+    const float range = obstacles.bearings[static_cast<std::size_t>(contact.bearing)].range;
+    const int first = std::max(0, contact.bearing - parameters_.selection.free_halo);
+    const int last = std::min(count - 1, contact.bearing + parameters_.selection.free_halo);
+    for (int beam = first; beam <= last; ++beam) {
+      Bearing& bearing = obstacles.bearings[static_cast<std::size_t>(beam)];
+      if (bearing.state == BearingState::Free) bearing.range = std::min(bearing.range, range);
+    }
+  }
+}
+
+/// Distance from the camera's foot at which a bearing leaves the circle of max_range around base.
+double SweepDetector::rangeLimit(double azimuth) const {
+  const Eigen::Vector2d foot = T_base_camera_.translation().head<2>();
+  const double along = foot.x() * std::cos(azimuth) + foot.y() * std::sin(azimuth);
+  const double rest = max_range_ * max_range_ - foot.squaredNorm() + along * along;
+  return rest > 0.0 ? std::max(0.0, std::sqrt(rest) - along) : 0.0;
+}
+
+}  // namespace ipm_mapping::sweep

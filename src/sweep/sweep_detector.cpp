@@ -1,0 +1,175 @@
+#include "ipm_mapping/sweep/sweep_detector.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "ipm_mapping/kernels/sweep_costs.hpp"
+
+namespace ipm_mapping::sweep {
+namespace {
+
+double now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+constexpr int expected_stages = 8;
+
+}  // namespace
+
+SweepDetector::SweepDetector(const SweepParameters& parameters) : parameters_(parameters) {
+  times_.reserve(expected_stages);
+}
+
+void SweepDetector::setCamera(const CameraModel& camera, const CameraPose& T_base_camera) {
+  camera_ = camera;
+  T_base_camera_ = T_base_camera;
+  const Eigen::Vector2d foot = T_base_camera.translation().head<2>();
+  max_range_ = effectiveMaxRange(camera, T_base_camera, parameters_.grid.max_range);
+  grid_ = makePolarGrid(camera, T_base_camera, parameters_.grid, max_range_);
+  rectification_.configure(camera, T_base_camera, grid_);
+  const std::vector<RowRange>& rows = rectification_.ranges();
+  noise_.configure(grid_, rows, parameters_.noise);
+  lattice_.configure(grid_, rows);
+  refinement_.configure(grid_, rows, foot, parameters_.refinement);
+  specular_.configure(grid_, rows, parameters_.evidence);
+  floor_cost_.configure(grid_, rows, parameters_.evidence);
+  sweep_.configure(grid_, rows, noise_.sweepRows(), parameters_.grid.max_support,
+                   parameters_.evidence);
+  selection_.configure(sweep_, grid_.height, parameters_.selection);
+  ring_.configure(grid_, parameters_.reference);
+  current_.image.resize(grid_.rows, grid_.lines);
+  current_grey_.resize(grid_.sweepRows(), grid_.lines);
+  scratch_.resize(grid_.sweepRows(), 1);
+  weight_.resize(grid_.sweepRows(), grid_.lines);
+  for (Planes& planes : planes_) {
+    planes.even.resize(grid_.sweepRows(), grid_.lines);
+    planes.odd.resize(grid_.sweepRows(), grid_.lines);
+    planes.floor_cost.resize(grid_.sweepRows(), sweep_.beams());
+  }
+  choices_.reserve(static_cast<std::size_t>(sweep_.beams()));
+  reset();
+}
+
+void SweepDetector::reset() {
+  ring_.clear();
+  seen_any_ = false;
+}
+
+void SweepDetector::lap(const char* stage) {
+  const double t = now();
+  times_.push_back({stage, t - lap_start_});
+  lap_start_ = t;
+}
+
+FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
+  obstacles.clear();
+  times_.clear();
+  if (camera_.width() == 0) return FrameStatus::NoCamera;
+  if (frame.image.width != camera_.width() || frame.image.height != camera_.height())
+    return FrameStatus::SizeMismatch;
+  if (grid_.lines == 0 || sweep_.beams() == 0) return FrameStatus::GeometryUnusable;
+  lap_start_ = now();
+  rectification_.rectify(frame.image, current_.image.view());
+  current_.mean.evaluate(lattice_, current_.image.view());
+  current_.T_odom_base = frame.T_odom_base;
+  current_.stamp = frame.stamp;
+  lap("rectification");
+  const FrameStatus status = findReferences(frame);
+  if (status == FrameStatus::Used) {
+    fillView(frame, obstacles);
+    splitCurrent();
+    compareWithReferences();
+    sweep_.evaluate({current_grey_.view(), weight_.view(), &noise_.sweepRows()}, views_.data(),
+                    reference_count_, static_cast<float>(parameters_.selection.publish_score),
+                    scores_);
+    lap("vertical_sweep");
+    selection_.select(scores_, choices_);
+    fillObstacles(obstacles);
+    maskFloor();
+    lap("bearing_selection");
+  }
+  ring_.offer(current_);
+  return status;
+}
+
+/// One or two earlier frames far enough back; says why there is none.
+FrameStatus SweepDetector::findReferences(const Frame& frame) {
+  const SE2& pose = frame.T_odom_base;
+  const SweepReferenceParameters& p = parameters_.reference;
+  reference_count_ = 0;
+  if (seen_any_ && std::hypot(pose.x - last_used_.x, pose.y - last_used_.y) < p.min_motion)
+    return FrameStatus::NoMotion;
+  seen_any_ = true;
+  last_used_ = pose;
+  for (const double baseline : {p.short_baseline, p.long_baseline}) {
+    if (baseline <= 0.0) continue;
+    const RectifiedFrame* found = ring_.find(pose, frame.stamp, baseline * grid_.height);
+    if (found == nullptr || (reference_count_ > 0 && found == references_[0])) continue;
+    references_[static_cast<std::size_t>(reference_count_++)] = found;
+  }
+  if (reference_count_ > 0) return FrameStatus::Used;
+  return ring_.farEnough(pose, frame.stamp, p.short_baseline * grid_.height)
+             ? FrameStatus::TooMuchRotation
+             : FrameStatus::NoReference;
+}
+
+/// What the next frame may take for floor: everything in front of this frame's contacts.
+void SweepDetector::maskFloor() {
+  refinement_.forgetFloor();
+  for (int line = 0; line < grid_.lines; ++line) {
+    const int beam = std::clamp((line - kernels::beam_lines / 2) / parameters_.evidence.beam_step,
+                                0, sweep_.beams() - 1);
+    double nearest = 0.0;
+    for (int b = std::max(0, beam - 1); b <= std::min(sweep_.beams() - 1, beam + 1); ++b) {
+      const BeamChoice& choice = choices_[static_cast<std::size_t>(b)];
+      if (choice.any())
+        nearest =
+            std::max(nearest, sweep_.sweepRow(choice.candidate) * PolarGrid::rows_per_sweep_row);
+    }
+    if (nearest > 0.0)
+      refinement_.setFloorBegin(line, static_cast<int>(nearest + 0.03 * grid_.rows_per_log));
+  }
+}
+
+void SweepDetector::splitCurrent() {
+  for (int line = 0; line < grid_.lines; ++line)
+    kernels::splitRows(current_.image.row(line), Photometric{}.fixedGain(), 0, grid_.sweepRows(),
+                       current_grey_.row(line), scratch_.row(0));
+  noise_.evaluate(current_.image.view(), weight_.view());
+  lap("noise_model");
+}
+
+void SweepDetector::splitReference(const RectifiedFrame& reference, const Photometric& photometric,
+                                   Planes& planes) {
+  for (int line = 0; line < grid_.lines; ++line)
+    kernels::splitRows(reference.image.row(line), photometric.fixedGain(),
+                       photometric.fixedOffset(), grid_.sweepRows(), planes.even.row(line),
+                       planes.odd.row(line));
+}
+
+void SweepDetector::compareWithReferences() {
+  const Eigen::Vector2d foot = T_base_camera_.translation().head<2>();
+  for (std::size_t q = 0; q < static_cast<std::size_t>(reference_count_); ++q) {
+    const RectifiedFrame& reference = *references_[q];
+    motions_[q] = refinement_.refine(current_, reference,
+                                     reference.T_odom_base.inverse() * current_.T_odom_base);
+  }
+  lap("motion_refinement");
+  for (std::size_t q = 0; q < static_cast<std::size_t>(reference_count_); ++q) {
+    Planes& planes = planes_[q];
+    const FootMotion motion(motions_[q].motion, foot);
+    floor_cost_.evaluate({current_grey_.view(), weight_.view(), &noise_.sweepRows()},
+                         references_[q]->image.view(), motion, motions_[q].photometric,
+                         planes.floor_cost.view());
+    splitReference(*references_[q], motions_[q].photometric, planes);
+    views_[q] = {planes.even.view(), planes.odd.view(), planes.floor_cost.view(), motion};
+    if (parameters_.evidence.specular_prior < 9.0)
+      specular_.apply({current_grey_.view(), weight_.view(), &noise_.sweepRows()}, sweep_,
+                      views_[q], motions_[q].motion.theta, planes.floor_cost.view());
+  }
+  lap("floor_cost");
+}
+
+}  // namespace ipm_mapping::sweep

@@ -1,0 +1,140 @@
+#pragma once
+// What the rostests share: plays the synthetic robot to nodelets in another process and listens to
+// them as any consumer would.
+
+#include <diagnostic_msgs/DiagnosticArray.h>
+#include <ipm_mapping/ObstacleArray.h>
+#include <map_msgs/OccupancyGridUpdate.h>
+#include <nav_msgs/OccupancyGrid.h>
+#include <ros/ros.h>
+#include <sensor_msgs/LaserScan.h>
+#include <sensor_msgs/PointCloud2.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "synthetic_robot.hpp"
+
+namespace ipm_mapping {
+
+/// Spins until `done`; false when it took longer than `seconds` of wall time.
+inline bool waitFor(const std::function<bool()>& done, double seconds = 30.0) {
+  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(seconds);
+  while (ros::ok() && !done()) {
+    if (ros::WallTime::now() > end) return false;
+    ros::spinOnce();
+    ros::WallDuration(0.002).sleep();
+  }
+  return ros::ok();
+}
+
+/// Everything that came in on one topic.
+template <class Message>
+class Collected {
+ public:
+  Collected(ros::NodeHandle& node, const std::string& topic) {
+    subscriber_ = node.subscribe<Message>(
+        topic, 1000, [this](const boost::shared_ptr<const Message>& m) { all.push_back(m); });
+  }
+  [[nodiscard]] std::size_t size() const { return all.size(); }
+  [[nodiscard]] const Message& last() const { return *all.back(); }
+
+  std::vector<boost::shared_ptr<const Message>> all;
+
+ private:
+  ros::Subscriber subscriber_;
+};
+
+/// Counters of a nodelet as /diagnostics shows them.
+class Diagnostics {
+ public:
+  explicit Diagnostics(ros::NodeHandle& node) {
+    subscriber_ = node.subscribe("/diagnostics", 100, &Diagnostics::onMessage, this);
+  }
+  /// -1 where the nodelet never said anything about it.
+  [[nodiscard]] double value(const std::string& nodelet, const std::string& key) const {
+    const auto found = values_.find(nodelet + "/" + key);
+    return found == values_.end() ? -1.0 : found->second;
+  }
+  [[nodiscard]] int level(const std::string& nodelet) const { return levels_.at(nodelet); }
+  [[nodiscard]] bool waitFor(const std::string& nodelet, const std::string& key, double expected) {
+    return ipm_mapping::waitFor([&] { return value(nodelet, key) == expected; });
+  }
+
+  /// Every (level, sentence) that a nodelet ever showed.
+  std::map<std::string, std::map<std::string, int>> sentences;
+
+ private:
+  void onMessage(const diagnostic_msgs::DiagnosticArrayConstPtr& message) {
+    for (const auto& status : message->status) {
+      const std::string path = status.name.substr(0, status.name.find(':'));
+      const std::string nodelet = path.substr(path.rfind('/') + 1);
+      levels_[nodelet] = status.level;
+      sentences[nodelet][status.message] = status.level;
+      for (const auto& pair : status.values)
+        values_[nodelet + "/" + pair.key] = std::strtod(pair.value.c_str(), nullptr);
+    }
+  }
+  ros::Subscriber subscriber_;
+  std::map<std::string, double> values_;
+  std::map<std::string, int> levels_;
+};
+
+/// The robot's topics, in the names that the .test files remap the nodelets to.
+class RobotTopics {
+ public:
+  explicit RobotTopics(ros::NodeHandle& node)
+      : images_(node.advertise<sensor_msgs::Image>("/robot/image_raw", 1000)),
+        infos_(node.advertise<sensor_msgs::CameraInfo>("/robot/camera_info", 1000)),
+        odometry_(node.advertise<nav_msgs::Odometry>("/robot/odom", 1000)),
+        tf_(node.advertise<tf2_msgs::TFMessage>("/tf_static", 10, true)) {}
+
+  /// The chain is awake, and what was latched has arrived.
+  [[nodiscard]] bool waitForListeners() const {
+    const bool awake = waitFor([this] {
+      return images_.getNumSubscribers() > 0 && odometry_.getNumSubscribers() > 0 &&
+             infos_.getNumSubscribers() > 0 && tf_.getNumSubscribers() > 0;
+    });
+    waitFor([] { return false; }, 0.3);
+    return awake;
+  }
+  void tellTf() {
+    tf2_msgs::TFMessage message;
+    message.transforms.push_back(robot.cameraTransform());
+    tf_.publish(message);
+  }
+
+  /// Who listens to the images.
+  [[nodiscard]] int listeners() const { return static_cast<int>(images_.getNumSubscribers()); }
+
+  void sendInfo(double t) { infos_.publish(robot.cameraInfo(stamp(t))); }
+  void sendInfo(const sensor_msgs::CameraInfo& info) { infos_.publish(info); }
+  void sendOdometry(double t) { odometry_.publish(robot.odometry(stamp(t), robot.pose(t))); }
+  void sendOdometry(const nav_msgs::Odometry& odometry) { odometry_.publish(odometry); }
+  void sendImage(double t) { images_.publish(robot.image(stamp(t), robot.pose(t))); }
+  void sendImage(const sensor_msgs::ImagePtr& image) { images_.publish(image); }
+
+  /// Frames `from` ... `to` - 1 with their calibration, and odometry around them.
+  void play(int from, int to, bool with_images = true) {
+    for (int i = from; i < to; ++i) {
+      sendInfo(robot.frameTime(i));
+      if (with_images) sendImage(robot.frameTime(i));
+      for (int k = 5 * i; k < 5 * (i + 1); ++k) sendOdometry(robot.odometryTime(k));
+      ros::spinOnce();
+    }
+    sendOdometry(robot.frameTime(to));
+  }
+
+  [[nodiscard]] double stamp(double t) const { return robot.first_stamp + time_shift + t; }
+
+  SyntheticRobot robot;
+  double time_shift = 0.0;
+
+ private:
+  ros::Publisher images_, infos_, odometry_, tf_;
+};
+
+}  // namespace ipm_mapping

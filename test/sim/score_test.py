@@ -1,0 +1,137 @@
+#!/usr/bin/python3
+"""The scorer must be able to fail: what a perfect, a shifted and a blind detector get."""
+import csv
+import json
+import math
+import os
+import sys
+import tempfile
+import unittest
+
+import numpy as np
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), "../../scripts"))
+import scoring  # noqa: E402
+
+START = 1000.0
+BOX = [[1.2, -0.3], [1.6, -0.3], [1.6, 0.5], [1.2, 0.5]]
+
+
+def truth_file(folder, footprints):
+    truth = {
+        "scene": {"camera": {"width": 640, "height": 480, "fx": 525.0, "fy": 525.0, "cx": 319.5,
+                             "cy": 239.5, "pitch": 0.4}},
+        "camera_in_robot": {"translation": [0.05, 0.0, 0.45]},
+        "poses": [[k / 10, 0.01 * k, 0.002 * k, 0.004 * k] for k in range(20)],
+        "footprints": footprints, "bag_start": START}
+    path = os.path.join(folder, "truth.json")
+    with open(path, "w") as file:
+        json.dump(truth, file)
+    return scoring.Truth(path)
+
+
+def box_truth(folder):
+    return truth_file(folder, [{"name": "b", "kind": "box", "height": 0.3, "polygon": BOX}])
+
+
+def write_run(folder, contacts, frames=20):
+    """contacts(frame) gives robot coordinates; every frame has 80 bearings."""
+    points = open(os.path.join(folder, "points.csv"), "w", newline="")
+    bearings = open(os.path.join(folder, "obstacles.csv"), "w", newline="")
+    with points, bearings:
+        p, b = csv.writer(points), csv.writer(bearings)
+        p.writerow("stamp frame bearing u v x_base y_base x_odom y_odom".split())
+        b.writerow("stamp frame bearing angle_rad density range_m state".split())
+        for frame in range(frames):
+            stamp = f"{START + frame / 10:.6f}"
+            for bearing in range(80):
+                b.writerow([stamp, frame, bearing, 0, 0, 2.0, "free"])
+            for bearing, (x, y) in enumerate(contacts(frame)):
+                p.writerow([stamp, frame, bearing, 0, 0, x, y, x, y])
+    return scoring.Run(folder)
+
+
+def perfect(truth, frame):
+    """Contacts along 80 bearings where the first outline is, in robot coordinates."""
+    pose = truth.pose(START + frame / 10)
+    angles = np.linspace(-0.65, 0.65, 80)
+    foot = truth.to_world(pose, [truth.place[:2]])[0]
+    distance, _ = truth.first_outlines(foot, pose[2] + angles)
+    return [(0.05 + d * math.cos(a), d * math.sin(a))
+            for d, a in zip(distance, angles) if math.isfinite(d)]
+
+
+class ScoreTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def figures(self, make_contacts):
+        truth = box_truth(self.folder.name)
+        run = write_run(self.folder.name, lambda frame: make_contacts(perfect(truth, frame)))
+        return scoring.score(truth, run)
+
+    def test_a_perfect_detector_scores_near_a_hundred_percent(self):
+        figures = self.figures(lambda contacts: contacts)
+        self.assertGreater(figures["recall_percent"], 99.9)
+        self.assertEqual(figures["false_percent"], 0.0)
+        self.assertLess(figures["median_error_cm"], 0.01)
+        self.assertGreater(figures["visible_bearings"], 200)
+
+    def test_contacts_fifteen_centimetres_too_near_score_near_zero(self):
+        figures = self.figures(lambda contacts: [(x - 0.15, y) for x, y in contacts])
+        self.assertLess(figures["recall_percent"], 5.0)
+        self.assertGreater(figures["false_percent"], 90.0)
+        self.assertAlmostEqual(figures["median_error_cm"], 15.0, delta=1.5)
+
+    def test_a_blind_detector_finds_nothing_and_is_never_wrong(self):
+        figures = self.figures(lambda contacts: [])
+        self.assertEqual(figures["recall_percent"], 0.0)
+        self.assertIsNone(figures["false_percent"])
+
+    def test_half_of_the_contacts_are_half_of_the_recall(self):
+        figures = self.figures(lambda contacts: [c for c in contacts if c[1] > 0.1])
+        self.assertGreater(figures["recall_percent"], 35.0)
+        self.assertLess(figures["recall_percent"], 75.0)
+
+    def test_contacts_on_an_empty_floor_are_counted_per_bearing(self):
+        truth = truth_file(self.folder.name, [
+            {"name": "rug", "kind": "box", "height": 0.007, "polygon": BOX}])
+        run = write_run(self.folder.name, lambda frame: [(1.0, 0.0)] * (4 if frame < 10 else 0))
+        figures = scoring.score(truth, run)
+        self.assertAlmostEqual(figures["contact_bearings_percent"], 100 * 40 / 1600)
+        self.assertEqual(figures["false_percent"], 100.0)
+        self.assertIsNone(figures["recall_percent"])
+
+    def test_frames_with_the_camera_in_an_obstacle_do_not_count(self):
+        truth = truth_file(self.folder.name, [
+            {"name": "b", "kind": "box", "height": 0.3,
+             "polygon": [[-1, -1], [1, -1], [1, 1], [-1, 1]]}])
+        figures = scoring.score(truth, write_run(self.folder.name, lambda frame: [(1.5, 0.0)]))
+        self.assertEqual(figures["frames_used"], 0)
+        self.assertEqual(figures["points"], 0)
+
+    def test_map_cells_are_false_or_cover(self):
+        truth = box_truth(self.folder.name)
+        run = write_run(self.folder.name, lambda frame: [])
+        grid = np.full((40, 60), 205, np.uint8)  # origin (0, -1), 5 cm
+        front = int(1.2 / 0.05)
+        for row in range(14, 30):  # y from -0.3 to 0.5
+            grid[39 - row, front] = 0
+        grid[10, 5] = 0  # a stray cell in the open
+        with open(os.path.join(self.folder.name, "map.pgm"), "wb") as file:
+            file.write(b"P5\n# made by hand\n60 40\n255\n" + grid.tobytes())
+        with open(os.path.join(self.folder.name, "map.yaml"), "w") as file:
+            file.write("image: map.pgm\nresolution: 0.05\norigin: [0.0, -1.0, 0.0]\n")
+        figures = scoring.score(truth, run)
+        self.assertEqual(figures["map_occupied_cells"], 17)
+        self.assertAlmostEqual(figures["map_false_cells_percent"], 100 / 17)
+        self.assertGreater(figures["map_coverage_percent"], 95.0)
+        os.remove(os.path.join(self.folder.name, "map.pgm"))
+        with open(os.path.join(self.folder.name, "map.pgm"), "wb") as file:
+            file.write(b"P5\n60 40\n255\n" + np.full((40, 60), 254, np.uint8).tobytes())
+        self.assertEqual(scoring.score(truth, run)["map_coverage_percent"], 0.0)
+
+
+if __name__ == "__main__":
+    unittest.main()
