@@ -5,8 +5,8 @@
 
 #include <functional>
 
+#include "ipm_mapping/kernels/chain_sample.hpp"
 #include "ipm_mapping/kernels/chain_segment.hpp"
-#include "ipm_mapping/kernels/chain_warp.hpp"
 #include "ipm_mapping/stages/undistort_warp.hpp"
 #include "support/pictures.hpp"
 #include "support/views.hpp"

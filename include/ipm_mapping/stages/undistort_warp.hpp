@@ -6,7 +6,8 @@
 
 #include "ipm_mapping/geometry/ground_view.hpp"
 #include "ipm_mapping/image_view.hpp"
-#include "ipm_mapping/kernels/chain_warp.hpp"
+#include "ipm_mapping/kernels/chain_map.hpp"
+#include "ipm_mapping/kernels/chain_sample.hpp"
 
 namespace ipm_mapping {
 
