@@ -30,7 +30,9 @@ double towards(double from, double to, double limit) {
   return from + std::clamp(to - from, -limit, limit);
 }
 
-const SlipSpec& gripAt(const OdometrySpec& odometry, double time) {
+}  // namespace
+
+const SlipSpec& slipAt(const OdometrySpec& odometry, double time) {
   static const SlipSpec full{0.0, 0.0, 1.0, 1.0};
   for (const SlipSpec& slip : odometry.slips) {
     if (time >= slip.at && time < slip.at + slip.seconds) return slip;
@@ -38,7 +40,7 @@ const SlipSpec& gripAt(const OdometrySpec& odometry, double time) {
   return full;
 }
 
-Command commandAt(const std::vector<DriveSegment>& drive, double time) {
+Command scriptedCommand(const std::vector<DriveSegment>& drive, double time) {
   if (time < 0.0) return {};
   for (const DriveSegment& segment : drive) {
     if (time < segment.seconds) return {segment.v, segment.w};
@@ -46,8 +48,6 @@ Command commandAt(const std::vector<DriveSegment>& drive, double time) {
   }
   return {};
 }
-
-}  // namespace
 
 double distanceTo(const Footprint& footprint, const Point& point) {
   const std::vector<Point>& p = footprint.points;
@@ -116,7 +116,7 @@ Drive::Drive(const Scene& scene, const std::vector<Footprint>& footprints)
       odometry_.push_back(odometer.read(time, moved, kStepsPerReading * step_));
       moved = {};
     }
-    body.step(commandAt(scene.drive, time), gripAt(scene.odometry, time), step_);
+    body.step(scriptedCommand(scene.drive, time), slipAt(scene.odometry, time), step_);
     moved.v += body.wheels().v / kStepsPerReading;
     moved.w += body.wheels().w / kStepsPerReading;
     if (body.touching() && collision_ < 0.0) collision_ = std::max(time, 0.0);

@@ -16,7 +16,8 @@ Drive driveOf(const std::string& more) {
 }
 
 TEST(Drive, PerfectWheelsReportThePoseThatIsTrue) {
-  const Drive drive = driveOf("drive: [{seconds: 3, v: 0.3, w: 0.4}, {seconds: 2, v: -0.2, w: 0.1}]");
+  const Drive drive =
+      driveOf("drive: [{seconds: 3, v: 0.3, w: 0.4}, {seconds: 2, v: -0.2, w: 0.1}]");
   for (const OdometryReading& reading : drive.odometry()) {
     const SE2 truth = drive.pose(reading.time);
     EXPECT_NEAR(reading.pose.x, truth.x, 1e-3);

@@ -59,8 +59,8 @@ TEST(Scene, NoScriptedDriveOfAShippedSceneTouchesAnything) {
   for (const auto& file : std::filesystem::directory_iterator(kScenes)) {
     const Scene scene = loadScene(file.path().string());
     const Drive drive(scene, footprintsOf(makeSolids(scene)));
-    EXPECT_LT(drive.collision(), 0.0) << scene.name << " at " << drive.collision() << " s, x "
-                                      << drive.pose(drive.collision()).x;
+    EXPECT_LT(drive.collision(), 0.0)
+        << scene.name << " at " << drive.collision() << " s, x " << drive.pose(drive.collision()).x;
     EXPECT_EQ(file.path().stem().string(), scene.name);
     ++scenes;
   }

@@ -11,7 +11,7 @@ import unittest
 import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), "../../scripts"))
-import scoring  # noqa: E402
+from accuracy import scoring  # noqa: E402
 
 START = 1000.0
 BOX = [[1.2, -0.3], [1.6, -0.3], [1.6, 0.5], [1.2, 0.5]]

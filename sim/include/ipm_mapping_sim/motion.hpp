@@ -13,6 +13,11 @@ struct Command {
   double v = 0.0, w = 0.0;
 };
 
+/// What a script asks for `time` seconds after its start; rest before and after it.
+Command scriptedCommand(const std::vector<DriveSegment>& drive, double time);
+/// How the wheels hold at a time; full grip outside of the slips.
+const SlipSpec& slipAt(const OdometrySpec& odometry, double time);
+
 /// Distance from a point to an outline, 0 inside a closed one.
 double distanceTo(const Footprint& footprint, const Point& point);
 

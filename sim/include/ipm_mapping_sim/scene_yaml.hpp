@@ -14,8 +14,8 @@ namespace ipm_mapping::sim {
 using Override = std::pair<std::string, std::string>;
 
 /// Reads a scene file. An entry `base: OTHER.yaml` starts from another scene in the same folder and
-/// changes only what is given. Throws ParameterError naming the entry, its value and what is allowed, for
-/// unknown entries too; std::runtime_error if the file cannot be read.
+/// changes only what is given. Throws ParameterError naming the entry, its value and what is
+/// allowed, for unknown entries too; std::runtime_error if the file cannot be read.
 Scene loadScene(const std::string& path, const std::vector<Override>& overrides = {});
 
 /// The same from YAML text.

@@ -1,0 +1,119 @@
+"""Renders scenes, runs detectors on them and scores what comes out, keeping what is up to date."""
+import hashlib
+import json
+import os
+import subprocess
+import sys
+
+from . import scoring
+
+ROOT = os.path.realpath(os.path.join(os.path.dirname(os.path.realpath(__file__)), "../.."))
+SCENES = os.path.join(ROOT, "sim/scenes")
+TOOLS = os.path.join(ROOT, "build/devel/lib/ipm_mapping")
+
+# The package's detectors by name, as options of offline_mapper.
+DETECTORS = {
+    "default": [],
+    "paper": ["--profile", "paper"],
+    "chain": ["--set", "detector/kind=chain"],
+    "first_architecture": ["--profile", os.path.join(ROOT, "config/first_architecture.yaml")],
+    "fpga": ["--fpga"],
+}
+
+
+class Case:
+    """A scene with changes: a drive that can be rendered."""
+
+    def __init__(self, scene, label=None, changes=()):
+        self.scene, self.changes = scene, list(changes)
+        self.label = label or scene
+        self.path = os.path.join(SCENES, scene + ".yaml")
+        if not os.path.exists(self.path):
+            sys.exit(f"accuracy_report: no scene {self.path}")
+
+    def options(self):
+        return [word for change in self.changes for word in ("--set", change)]
+
+
+def _stamp(words, files):
+    """Hash of a command and of the files it depends on."""
+    digest = hashlib.sha256("\0".join(words).encode())
+    for path in files:
+        with open(path, "rb") as file:
+            digest.update(file.read())
+    return digest.hexdigest()
+
+
+def _run(words):
+    done = subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    if done.returncode != 0:
+        sys.exit(f"accuracy_report: {' '.join(words)} failed:\n{done.stdout}")
+
+
+def _up_to_date(marker, stamp):
+    if not os.path.exists(marker):
+        return False
+    with open(marker) as file:
+        return file.read() == stamp
+
+
+def _do_once(words, files, marker):
+    """Runs a command unless the same one already made the same thing of the same files."""
+    stamp = _stamp(words, files)
+    if _up_to_date(marker, stamp):
+        return
+    if os.path.exists(marker):
+        os.remove(marker)
+    _run(words)
+    with open(marker, "w") as file:
+        file.write(stamp)
+
+
+def libraries():
+    """What the tools are made of, besides themselves."""
+    folder = os.path.dirname(os.path.dirname(TOOLS))
+    return sorted(os.path.join(folder, "lib", name) for name in os.listdir(folder + "/lib")
+                  if name.startswith("libipm_mapping") and name.endswith(".so"))
+
+
+class Bench:
+    """Folder in which bags and runs are kept."""
+
+    def __init__(self, folder, frames=None):
+        self.folder, self.frames = folder, frames
+        for tool in ("sim_to_bag", "offline_mapper"):
+            if not os.path.exists(os.path.join(TOOLS, tool)):
+                sys.exit(f"accuracy_report: {tool} is not built: run scripts/build")
+        simulator = [path for path in libraries() if "_sim" in path]
+        self.render_files = [os.path.join(TOOLS, "sim_to_bag")] + simulator
+        self.map_files = [os.path.join(TOOLS, "offline_mapper")] + [
+            path for path in libraries() if path not in simulator]
+
+    def bag(self, case):
+        """Path of the case's bag and of its truth."""
+        os.makedirs(os.path.join(self.folder, "bags"), exist_ok=True)
+        base = os.path.join(self.folder, "bags", case.label)
+        words = [os.path.join(TOOLS, "sim_to_bag"), case.path, base + ".bag"] + case.options()
+        if self.frames:
+            words += ["--frames", str(self.frames)]
+        scenes = [os.path.join(SCENES, name) for name in sorted(os.listdir(SCENES))]
+        _do_once(words, self.render_files + scenes, base + ".stamp")
+        return base + ".bag", base + ".truth.json"
+
+    def figures(self, case, detector, settings=()):
+        """Figures of one detector on one case; settings are further options of offline_mapper."""
+        bag, truth = self.bag(case)
+        name = "-".join([case.label, detector] + [s.replace("/", "_") for s in settings])
+        out = os.path.join(self.folder, "runs", name)
+        words = [os.path.join(TOOLS, "offline_mapper"), bag, "--out", out, "--truth", truth]
+        words += DETECTORS[detector] + [w for s in settings for w in ("--set", s)]
+        os.makedirs(out, exist_ok=True)
+        _do_once(words, self.map_files + [bag], os.path.join(out, "stamp"))
+        figures = scoring.score(scoring.Truth(truth), scoring.Run(out))
+        with open(os.path.join(out, "report.json")) as file:
+            figures["report"] = json.load(file)
+        return figures
+
+
+def scene_names():
+    return sorted(name[:-5] for name in os.listdir(SCENES) if name.endswith(".yaml"))
