@@ -1,8 +1,11 @@
-// Plays the synthetic robot once, slowly enough for every queue, as soon as the whole chain
-// listens; then keeps its latched topics alive. ~compressed sends PNG pictures instead of raw ones;
-// ~seconds is what a frame takes (0.05), ~listeners how many have to wait for the pictures.
+// Plays the synthetic robot once, slowly enough for every queue, as soon as the chain listens and
+// the test has set the parameter /listening; then keeps its latched topics alive. ~compressed sends
+// PNG pictures instead of raw ones; ~seconds is what a frame takes (0.05), ~listeners how many have
+// to wait for the pictures.
 
 #include <cv_bridge/cv_bridge.h>
+
+#include <algorithm>
 
 #include "chain_client.hpp"
 
@@ -19,8 +22,8 @@ int main(int argc, char** argv) {
   topics.tellTf();
   const bool awake = waitFor(
       [&] {
-        return topics.listeners() >= listeners ||
-               static_cast<int>(pictures.getNumSubscribers()) >= listeners;
+        const int raw = topics.listeners(), png = static_cast<int>(pictures.getNumSubscribers());
+        return std::max(raw, png) >= listeners && ros::param::param("/listening", false);
       },
       60.0);
   if (!awake) return 1;
