@@ -49,7 +49,7 @@ bool PolarBeam::aim(const Focus& focus, int width, int height, int n_lines, Beam
   lines_ = n_lines;
   width_ = width;
   height_ = height;
-  columns_.assign(static_cast<std::size_t>(n_lines) * static_cast<std::size_t>(height), outside);
+  columns_.resize(static_cast<std::size_t>(n_lines) * static_cast<std::size_t>(height));
   if (!focus.f.allFinite() || !(focus.direction(0, 0).y() > 0.0)) return false;
   if (kind == Beam::FullView) return aimFullView(focus);
   return aimSource(focus);
@@ -83,6 +83,7 @@ bool PolarBeam::aimFullView(const Focus& focus) {
       const int u = static_cast<int>(start + slope * v + (lift + 0.5)) - lift;
       column[v] = static_cast<std::int16_t>(u >= 0 && u < width_ ? u : outside);
     }
+    std::fill(column + end, column + height_, outside);
   }
   return true;
 }
@@ -106,8 +107,9 @@ bool PolarBeam::aimSource(const Focus& focus) {
       } else {
         d += 2 * du;
       }
-      if (u >= 0 && u < width_) column[v] = static_cast<std::int16_t>(u);
+      column[v] = static_cast<std::int16_t>(u >= 0 && u < width_ ? u : outside);
     }
+    std::fill(column + end_row, column + height_, outside);
   }
   return end_row > 0;
 }
