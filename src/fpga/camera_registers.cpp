@@ -1,6 +1,4 @@
 // Software part of rule 4: the camera's registers.
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <sstream>
 
@@ -32,45 +30,12 @@ class RegisterWriter {
   std::optional<CalibrationError> error_;
 };
 
-/// Slope of r (1 + k1 r^2 + k2 r^4 + k3 r^6) at r^2 = q.
-double slope(const Distortion& d, double q) {
-  return 1.0 + q * (3.0 * d.k1 + q * (5.0 * d.k2 + q * 7.0 * d.k3));
-}
-
-/// Where the slope has its own extremes, inside the register's range, in rising order.
-std::array<double, 3> monotoneEnds(const Distortion& d, double end) {
-  const double a = 21.0 * d.k3, b = 10.0 * d.k2, c = 3.0 * d.k1;
-  std::array<double, 3> ends{end, end, end};
-  const auto add = [&ends, end](std::size_t i, double q) {
-    if (q > 0.0 && q < end) ends[i] = q;
-  };
-  if (a == 0.0) {
-    if (b != 0.0) add(0, -c / b);
-  } else if (const double square = b * b - 4.0 * a * c; square >= 0.0) {
-    const double t = -0.5 * (b + std::copysign(std::sqrt(square), b));
-    add(0, t / a);
-    if (t != 0.0) add(1, c / t);
-  }
-  std::sort(ends.begin(), ends.end());
-  return ends;
-}
-
 /// floor(65536 q) of the smallest positive root q of the slope, or the register's end.
-Integer radiusRegister(const Distortion& d) {
+/// floor(65536 q) of the turning point q of the lens, or the end of the register (rule 4).
+Integer radiusRegister(const CameraModel& camera) {
   constexpr Integer highest = formats::RadiusSquared::highest();
-  double low = 0.0;
-  for (double high : monotoneEnds(d, static_cast<double>(highest + 1) / 65536.0)) {
-    if (slope(d, high) > 0.0) {
-      low = high;
-      continue;
-    }
-    for (double middle = 0.5 * (low + high); middle > low && middle < high;
-         middle = 0.5 * (low + high)) {
-      (slope(d, middle) > 0.0 ? low : high) = middle;
-    }
-    return std::min(static_cast<Integer>(std::floor(65536.0 * high)), highest);
-  }
-  return highest;
+  const double raw = std::floor(65536.0 * camera.turningRadiusSquared());
+  return raw < static_cast<double>(highest) ? static_cast<Integer>(raw) : highest;
 }
 
 }  // namespace
@@ -94,7 +59,7 @@ std::optional<CalibrationError> quantiseCamera(const CameraModel& camera, FrameP
   out.write("k1", d.k1, lens, lens.lowest(), p.k1);
   out.write("k2", d.k2, lens, lens.lowest(), p.k2);
   out.write("k3", d.k3, lens, lens.lowest(), p.k3);
-  p.r2_max = radiusRegister(d);
+  p.r2_max = radiusRegister(camera);
   return out.error();
 }
 

@@ -38,11 +38,10 @@ double firstTurningPoint(const Distortion& d) {
       continue;
     }
     double high = end;
-    for (int i = 0; i < 200 && high - low > 1e-15 * high; ++i) {
-      const double middle = 0.5 * (low + high);
+    for (double middle = 0.5 * (low + high); middle > low && middle < high;
+         middle = 0.5 * (low + high))
       (derivativeOfRadial(d, middle) > 0.0 ? low : high) = middle;
-    }
-    return low;
+    return high;
   }
   return std::numeric_limits<double>::infinity();
 }
