@@ -1,0 +1,180 @@
+#!/usr/bin/python3
+"""Command line of offline_mapper: files, exit codes, one clear line for every input that is wrong.
+
+offline_mapper_test.py PATH_OF_OFFLINE_MAPPER
+"""
+
+import csv
+import json
+import math
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import numpy as np
+import rosbag
+import rospy
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import CameraInfo, Image
+
+PROGRAM = sys.argv.pop(1)
+WIDTH, HEIGHT, FOCAL, CAMERA_HEIGHT, PITCH = 320, 240, 260.0, 0.4, 0.45
+
+CALIBRATION = """image_width: %d
+image_height: %d
+camera_name: test
+camera_matrix: {rows: 3, cols: 3, data: [%f, 0, 159.5, 0, %f, 119.5, 0, 0, 1]}
+distortion_model: plumb_bob
+distortion_coefficients: {rows: 1, cols: 5, data: [0, 0, 0, 0, 0]}
+""" % (WIDTH, HEIGHT, FOCAL, FOCAL)
+
+
+def floor_picture(x):
+    """Camera picture of a chequered floor with a wall across it at 1.6 m, from x metres along."""
+    v, u = np.mgrid[0:HEIGHT, 0:WIDTH]
+    right, down = (u - 159.5) / FOCAL, (v - 119.5) / FOCAL
+    forward = math.cos(PITCH) - math.sin(PITCH) * down
+    fall = math.sin(PITCH) + math.cos(PITCH) * down
+    with np.errstate(divide="ignore", invalid="ignore"):
+        to_floor = np.where(fall > 0, CAMERA_HEIGHT / fall, np.inf)
+        to_wall = (1.6 - x) / forward
+        on_floor = to_floor < to_wall
+        scale = np.where(on_floor, to_floor, to_wall)
+        a = np.where(on_floor, x + scale * forward, CAMERA_HEIGHT - scale * fall)
+        b = -scale * right
+    pattern = np.sin(31.0 * a + 1.0) * np.sin(29.0 * b) + np.sin(47.0 * (a + b))
+    grey = 110.0 + 35.0 * pattern + np.where(on_floor, 0.0, 30.0)
+    return np.clip(np.nan_to_num(grey), 0, 255).astype(np.uint8)
+
+
+def write_bag(path, images=True, odometry=True, info=False, encoding="mono8", frames=12, fx=FOCAL,
+              still=False):
+    """A robot that drives at 0.25 m/s; 10 pictures a second, odometry at 50 Hz."""
+    with rosbag.Bag(path, "w") as bag:
+        for k in range(5 * frames - 2):
+            t = rospy.Time.from_sec(1000.0 + 0.02 * k)
+            x = 0.0 if still else 0.25 * 0.02 * k
+            if odometry:
+                message = Odometry()
+                message.header.stamp, message.header.frame_id = t, "odom"
+                message.child_frame_id = "base_footprint"
+                message.pose.pose.position.x = x
+                message.pose.pose.orientation.w = 1.0
+                bag.write("/odom", message, t)
+            if images and k % 5 == 0:
+                picture = Image(height=HEIGHT, width=WIDTH, encoding=encoding, step=WIDTH)
+                picture.header.stamp, picture.header.frame_id = t, "camera"
+                picture.data = floor_picture(x).tobytes()
+                bag.write("/camera/rgb/image_raw", picture, t)
+                if info:
+                    k_matrix = [fx, 0, 159.5, 0, FOCAL, 119.5, 0, 0, 1]
+                    calibration = CameraInfo(header=picture.header, height=HEIGHT, width=WIDTH,
+                                             distortion_model="plumb_bob", D=[0.0] * 5, K=k_matrix)
+                    bag.write("/camera/rgb/camera_info", calibration, t)
+
+
+class OfflineMapper(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.bag = os.path.join(self.folder.name, "test.bag")
+        self.out = os.path.join(self.folder.name, "out")
+        self.calibration = os.path.join(self.folder.name, "camera.yaml")
+        with open(self.calibration, "w", encoding="ascii") as file:
+            file.write(CALIBRATION)
+        self.pose = "--camera-pose=0,0,%g,%g" % (CAMERA_HEIGHT, PITCH)
+
+    def tearDown(self):
+        self.folder.cleanup()
+
+    def run_it(self, *arguments):
+        return subprocess.run([PROGRAM, *arguments], stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE, universal_newlines=True, timeout=120)
+
+    def refused(self, code, words, *arguments):
+        result = self.run_it(*arguments)
+        self.assertEqual(result.returncode, code, result.stderr)
+        self.assertIn(words, result.stderr)
+        if code == 3:
+            self.assertEqual(len(result.stderr.strip().splitlines()), 1, result.stderr)
+
+    def test_maps_a_bag_as_the_source_recorded_it(self):
+        """/odom and images only: calibration and camera pose from the command line."""
+        write_bag(self.bag)
+        result = self.run_it(self.bag, "--out", self.out, "--camera-info", self.calibration,
+                             self.pose)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(result.stderr, "", "silent when it is not a terminal")
+        for name in ("map.pgm", "map.yaml", "map.png", "overlay.png"):
+            self.assertGreater(os.path.getsize(os.path.join(self.out, name)), 0, name)
+        with open(os.path.join(self.out, "report.json"), encoding="utf-8") as file:
+            report = json.load(file)
+        self.assertEqual(report["frames"]["read"], 12)
+        skipped = sum(report["frames"]["skipped"].values())
+        self.assertEqual(report["frames"]["used"] + skipped, 12)
+        self.assertGreater(report["frames"]["used"], 3)
+        self.assertEqual(report["camera"]["pose_from"], "command line")
+        self.check_tables(report)
+
+    def check_tables(self, report):
+        with open(os.path.join(self.out, "points.csv"), encoding="ascii") as file:
+            points = list(csv.DictReader(file))
+        with open(os.path.join(self.out, "obstacles.csv"), encoding="ascii") as file:
+            bearings = list(csv.DictReader(file))
+        self.assertEqual(len(points), report["points"])
+        self.assertEqual(list(points[0]), "stamp frame bearing u v x_base y_base x_odom y_odom".split())
+        self.assertEqual(list(bearings[0]), "stamp frame bearing angle_rad density range_m state".split())
+        self.assertEqual(len({row["frame"] for row in bearings}), report["frames"]["used"])
+        self.assertLessEqual({row["state"] for row in bearings},
+                             {"free", "occupied", "blocked", "unknown"})
+        # The wall stands at x = 1.6 m in the odometry frame.
+        distance = sorted(abs(float(row["x_odom"]) - 1.6) for row in points)
+        self.assertLess(distance[len(distance) // 2], 0.02)
+
+    def test_a_robot_that_stands_is_no_error(self):
+        write_bag(self.bag, info=True, still=True)
+        result = self.run_it(self.bag, "--out", self.out, self.pose)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        with open(os.path.join(self.out, "report.json"), encoding="utf-8") as file:
+            self.assertEqual(json.load(file)["frames"]["used"], 0)
+
+    def test_wrong_usage_exits_with_2(self):
+        self.refused(2, "--out", self.bag)
+        self.refused(2, "profile", self.bag, "--out", self.out, "--profile", "nonsense")
+        self.refused(2, "map/resolution", self.bag, "--out", self.out, "--set", "map/resolution=-1")
+        self.refused(2, "no parameter 'map/x'", self.bag, "--out", self.out, "--set", "map/x=1")
+
+    def test_unreadable_inputs_exit_with_3_and_one_line(self):
+        self.refused(3, "cannot read bag", "/nowhere.bag", "--out", self.out)
+        with open(self.bag, "w", encoding="ascii") as file:
+            file.write("no bag")
+        self.refused(3, "cannot read bag", self.bag, "--out", self.out)
+        with rosbag.Bag(self.bag, "w"):
+            pass
+        self.refused(3, "is empty", self.bag, "--out", self.out)
+
+    def test_missing_topics_are_named(self):
+        write_bag(self.bag, images=False)
+        self.refused(3, "no image topic", self.bag, "--out", self.out)
+        write_bag(self.bag, odometry=False)
+        self.refused(3, "no odometry topic", self.bag, "--out", self.out)
+        write_bag(self.bag)
+        self.refused(3, "/front/image", self.bag, "--out", self.out, "--image-topic", "/front/image")
+        self.refused(3, "--camera-info", self.bag, "--out", self.out, self.pose)
+
+    def test_bad_calibrations_and_pictures_are_named(self):
+        write_bag(self.bag, info=True, fx=0.0)
+        self.refused(3, "K[0]", self.bag, "--out", self.out, self.pose)
+        write_bag(self.bag, info=True, encoding="32FC1")
+        self.refused(3, "32FC1", self.bag, "--out", self.out, self.pose)
+        write_bag(self.bag, info=True)
+        with open(self.calibration, "w", encoding="ascii") as file:
+            file.write(CALIBRATION.replace("image_width: 320", "image_width: 640"))
+        self.refused(3, "calibrated size", self.bag, "--out", self.out, "--camera-info",
+                     self.calibration, self.pose)
+        self.refused(3, "height", self.bag, "--out", self.out, "--camera-pose=0,0,-0.3,0.2")
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
