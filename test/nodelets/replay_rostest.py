@@ -64,12 +64,12 @@ class Replay(unittest.TestCase):
              "rate:=0.5", "delay:=6"], stdout=subprocess.DEVNULL, stderr=subprocess.STDOUT)
         try:
             self.wait(lambda: len(answers) >= expected_frames, 90)
-            rospy.wait_for_service("/%s/mapper/save_map" % name, 30)
+            rospy.wait_for_service("/%s/save_map" % name, 30)
             newest = answers[-1].header.stamp
             grid = []
             rospy.Subscriber("/%s/map" % name, OccupancyGrid, grid.append)
             self.wait(lambda: grid and grid[-1].header.stamp >= newest, 30)
-            saved = rospy.ServiceProxy("/%s/mapper/save_map" % name, SaveMap)("live_" + profile)
+            saved = rospy.ServiceProxy("/%s/save_map" % name, SaveMap)("live_" + profile)
             self.assertTrue(saved.success, saved.message)
             self.assertEqual(len(answers), expected_frames)
             return os.path.splitext(saved.message)[0]
