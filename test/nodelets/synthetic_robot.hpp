@@ -25,6 +25,10 @@ class SyntheticRobot {
   static constexpr const char* odom_frame = "odom";
   static constexpr const char* camera_frame = "camera_optical";
 
+  /// Sequence number of every header. Serialising a message overwrites it, handing over a pointer
+  /// does not.
+  static constexpr std::uint32_t marked_seq = 4711;
+
   int frames = 20;
 
   [[nodiscard]] static Intrinsics intrinsics() { return {width, height, 260, 260, 159.5, 119.5}; }
@@ -101,6 +105,7 @@ class SyntheticRobot {
     std_msgs::Header h;
     h.stamp.fromSec(stamp);
     h.frame_id = frame;
+    h.seq = marked_seq;
     return h;
   }
 
