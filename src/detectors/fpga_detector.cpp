@@ -70,6 +70,11 @@ void FpgaDetector::run(const Frame& frame) {
   fpga::WireImages wanted;
   wanted.gaussian = gaussian_.view();
   wanted.eroded = eroded_.view();
+  has_difference_ = keep_difference_;
+  if (keep_difference_) {
+    difference_.ensure(camera_.width(), camera_.height());
+    wanted.difference = difference_.view();
+  }
   datapath_.run({reference_->image.view(), frame.image, setup_.parameters}, wanted);
   threshold_.load(datapath_.results().threshold_out);
 }

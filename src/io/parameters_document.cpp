@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "ipm_mapping/io/parameters_yaml.hpp"
+#include "ipm_mapping/parameters/comparison_parameters.hpp"
 #include "ipm_mapping/parameters/node_parameters.hpp"
 #include "ipm_mapping/parameters/visitors.hpp"
 
@@ -81,6 +82,7 @@ std::string parametersMarkdown() {
   text += "\n## What the profiles change\n\n" + profileTable();
   text += "\n## Nodelets that take camera images (`~NAME`)\n\n" + table(SourceParameters{});
   text += "\n## Mapper (`~NAME`)\n\n" + table(MapperParameters{});
+  text += "\n## Comparison (`~NAME`)\n\n" + table(ComparisonParameters{});
   return text;
 }
 

@@ -31,6 +31,14 @@ class FpgaDetector : public Detector {
   [[nodiscard]] const fpga::Results& results() const { return datapath_.results(); }
   [[nodiscard]] ImageView<const fpga::TaggedPixel> gaussian() const { return gaussian_.view(); }
   [[nodiscard]] GrayView eroded() const { return eroded_.view(); }
+  /// Eroded image and correspondence as the mask values of the float chain.
+  [[nodiscard]] GrayView mask() const { return mask_.view(); }
+  /// Whether difference() is kept from the next frame on; the fast engine is quicker without it.
+  void keepDifference(bool keep) { keep_difference_ = keep; }
+  /// The difference wire of the last used frame; empty when it was not kept.
+  [[nodiscard]] ImageView<const fpga::TaggedPixel> difference() const {
+    return has_difference_ ? difference_.view() : ImageView<const fpga::TaggedPixel>{};
+  }
   /// The reference picture of the last used frame; empty before.
   [[nodiscard]] GrayView reference() const;
 
@@ -53,7 +61,8 @@ class FpgaDetector : public Detector {
   fpga::Datapath datapath_;
   fpga::ThresholdRegister threshold_;
   fpga::FrameSetup setup_;
-  Image<fpga::TaggedPixel> gaussian_;
+  bool keep_difference_ = false, has_difference_ = false;
+  Image<fpga::TaggedPixel> difference_, gaussian_;
   Image<std::uint8_t> eroded_, mask_;
   std::vector<std::int16_t> columns_;  ///< of the line at hand, and the mask's values on it
   std::vector<std::uint8_t> values_;
