@@ -124,6 +124,7 @@ void BagSource::read(const Handlers& handlers) const {
   const double total = std::max<double>(view.size(), 1.0);
   double done = 0.0;
   for (const rosbag::MessageInstance& message : view) {
+    if (handlers.done && handlers.done()) return;
     if (message.getTopic() == topics_.image) {
       handlers.image(imageOf(message));
       if (handlers.progress) handlers.progress(done / total);

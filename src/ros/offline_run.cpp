@@ -6,6 +6,7 @@
 
 #include "ipm_mapping/detectors/pipeline.hpp"
 #include "ipm_mapping/ros/camera_info.hpp"
+#include "ipm_mapping/ros/poses.hpp"
 
 namespace ipm_mapping {
 namespace {
@@ -14,12 +15,6 @@ using Clock = std::chrono::steady_clock;
 
 double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-SE2 poseOf(const nav_msgs::Odometry& odometry) {
-  const auto& p = odometry.pose.pose.position;
-  const auto& q = odometry.pose.pose.orientation;
-  return {p.x, p.y, std::atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))};
 }
 
 sensor_msgs::CameraInfo calibrationOf(const BagSource& bag, const OfflineOptions& options,
@@ -91,16 +86,27 @@ void RunReport::addStage(const char* stage, double seconds) {
 OfflineRun::OfflineRun(const BagSource& bag, const RunCamera& camera, const Parameters& parameters)
     : bag_(bag),
       parameters_(parameters),
-      detector_(makeDetector(parameters)),
+      own_detector_(makeDetector(parameters)),
+      detector_(*own_detector_),
       gate_(parameters.odometry),
       map_(parameters.map) {
-  detector_->setCamera(camera.model, camera.T_base_camera);
+  detector_.setCamera(camera.model, camera.T_base_camera);
+}
+
+OfflineRun::OfflineRun(const BagSource& bag, const RunCamera& camera, const Parameters& parameters,
+                       Detector& detector)
+    : bag_(bag),
+      parameters_(parameters),
+      detector_(detector),
+      gate_(parameters.odometry),
+      map_(parameters.map) {
+  detector_.setCamera(camera.model, camera.T_base_camera);
 }
 
 OfflineRun::~OfflineRun() = default;
 
 void OfflineRun::restart() {
-  detector_->reset();
+  detector_.reset();
   ++report_.resets;
 }
 
@@ -118,7 +124,7 @@ void OfflineRun::addImage(const BagSource::Image& image) {
 
 void OfflineRun::addOdometry(double stamp, const nav_msgs::Odometry& odometry) {
   OdometryVerdict verdict = OdometryVerdict::Accepted;
-  if (gate_.addOdometry(stamp, poseOf(odometry), &verdict)) restart();
+  if (gate_.addOdometry(stamp, toSE2(odometry.pose.pose), &verdict)) restart();
   ++report_.odometry[name(verdict)];
 }
 
@@ -127,12 +133,11 @@ void OfflineRun::process(const FrameGate<std::pair<std::uint64_t, GrayPicture>>:
   const auto& [index, picture] = frame.payload;
   const auto start = Clock::now();
   const FrameStatus status =
-      detector_->process({index, frame.stamp, picture.view, frame.T_odom_base}, obstacles_);
+      detector_.process({index, frame.stamp, picture.view, frame.T_odom_base}, obstacles_);
   ++report_.frames[static_cast<std::size_t>(status)];
   trajectory_.push_back(frame.T_odom_base);
   if (status == FrameStatus::Used) {
-    for (const StageTime& time : detector_->stageTimes())
-      report_.addStage(time.stage, time.seconds);
+    for (const StageTime& time : detector_.stageTimes()) report_.addStage(time.stage, time.seconds);
     const auto before_map = Clock::now();
     map_.update(obstacles_);
     report_.addStage("map", secondsSince(before_map));
@@ -140,11 +145,12 @@ void OfflineRun::process(const FrameGate<std::pair<std::uint64_t, GrayPicture>>:
   }
   report_.processing_seconds += secondsSince(start);
   if (status == FrameStatus::Used && observers.used) observers.used(obstacles_, picture.view);
+  if (observers.frame && !observers.frame(index, status, picture.view)) ended_ = true;
 }
 
 void OfflineRun::processReady(const Observers& observers) {
   FrameGate<std::pair<std::uint64_t, GrayPicture>>::Released frame;
-  while (gate_.next(frame)) process(frame, observers);
+  while (!ended_ && gate_.next(frame)) process(frame, observers);
 }
 
 void OfflineRun::run(const Observers& observers) {
@@ -157,7 +163,7 @@ void OfflineRun::run(const Observers& observers) {
                addOdometry(stamp, odometry);
                processReady(observers);
              },
-             observers.progress});
+             observers.progress, [this] { return ended_; }});
   gate_.finish();
   // A run that found nothing still has a map: all of it unknown.
   if (map_.geometry().empty())

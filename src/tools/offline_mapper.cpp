@@ -8,13 +8,12 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <iostream>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "ipm_mapping/io/parameters_yaml.hpp"
 #include "ipm_mapping/io/run_files.hpp"
 #include "ipm_mapping/mapping/map_io.hpp"
+#include "ipm_mapping/ros/bag_arguments.hpp"
 #include "ipm_mapping/ros/offline_run.hpp"
 #include "ipm_mapping/ros/report_json.hpp"
 #include "ipm_mapping/view/map_picture.hpp"
@@ -24,51 +23,23 @@ namespace {
 
 using namespace ipm_mapping;
 
-constexpr int exit_usage = 2;
-constexpr int exit_input = 3;
-
-struct Arguments {
-  OfflineOptions options;
+struct Arguments : BagArguments {
   std::string out;
-  std::string profile = "default";
-  std::vector<std::string> settings;
-  std::vector<double> camera_pose;
   std::string truth;
   bool fpga = false;
-};
 
-void declare(CLI::App& app, Arguments& a) {
-  app.add_option("bag", a.options.bag, "recording with images and odometry")->required();
-  app.add_option("--out", a.out, "folder for the results (made if missing)")->required();
-  app.add_option("--profile", a.profile, "default, paper, or a YAML file");
-  app.add_option("--set", a.settings, "one parameter: GROUP/NAME=VALUE; may be repeated");
-  app.add_flag("--fpga", a.fpga, "let the bit-true FPGA model find the obstacles");
-  app.add_option("--image-topic", a.options.topics.image, "default: found by name and type");
-  app.add_option("--camera-info-topic", a.options.topics.camera_info, "default: beside the images");
-  app.add_option("--odom-topic", a.options.topics.odometry, "default: found by name and type");
-  app.add_option("--camera-info", a.options.calibration_file,
-                 "calibration as YAML, instead of the bag's");
-  app.add_option("--camera-pose", a.camera_pose,
-                 "x,y,z,pitch of the camera on the robot (m, rad), instead of tf's")
-      ->delimiter(',')
-      ->expected(4);
-  app.add_option("--truth", a.truth, "truth.json of a rendered scene, drawn into map.png");
-}
-
-void settle(Arguments& a) {
-  a.options.parameters = profileOrFile(a.profile);
-  for (const std::string& setting : a.settings) {
-    const auto equals = setting.find('=');
-    if (equals == std::string::npos)
-      throw ParameterError("--set " + setting + ": write GROUP/NAME=VALUE");
-    a.options.parameters.set(setting.substr(0, equals), setting.substr(equals + 1));
+  void declareAll(CLI::App& app) {
+    app.add_option("bag", options.bag, "recording with images and odometry")->required();
+    app.add_option("--out", out, "folder for the results (made if missing)")->required();
+    declare(app);
+    app.add_flag("--fpga", fpga, "let the bit-true FPGA model find the obstacles");
+    app.add_option("--truth", truth, "truth.json of a rendered scene, drawn into map.png");
   }
-  if (a.fpga) a.options.parameters.detector.kind = DetectorKind::Fpga;
-  a.options.parameters.validate();
-  if (!a.camera_pose.empty())
-    a.options.camera_pose = {a.camera_pose[0], a.camera_pose[1], a.camera_pose[2],
-                             a.camera_pose[3]};
-}
+  void settleAll() {
+    settle();
+    if (fpga) options.parameters.detector.kind = DetectorKind::Fpga;
+  }
+};
 
 /// One line that is redrawn, on terminals only.
 void showProgress(double share) {
@@ -174,11 +145,13 @@ void runOn(Arguments& a) {
   RunFiles files(a.out);
   OfflineRun run(bag, camera, a.options.parameters);
   OverlayFrame overlay;
-  run.run({[&](const Obstacles& obstacles, GrayView raw) {
-             files.add(obstacles);
-             overlay.offer(obstacles, raw);
-           },
-           showProgress});
+  OfflineRun::Observers observers;
+  observers.used = [&](const Obstacles& obstacles, GrayView raw) {
+    files.add(obstacles);
+    overlay.offer(obstacles, raw);
+  };
+  observers.progress = showProgress;
+  run.run(observers);
   requireImages(run.report());
   files.finish();
   writeMap(run, a);
@@ -192,22 +165,7 @@ void runOn(Arguments& a) {
 int main(int argc, char** argv) {
   CLI::App app{"Maps the obstacles of a bag: one camera, odometry, a flat floor"};
   Arguments arguments;
-  declare(app, arguments);
-  try {
-    app.parse(argc, argv);
-    settle(arguments);
-  } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error);
-    return code == 0 ? 0 : exit_usage;
-  } catch (const ParameterError& error) {
-    std::cerr << "offline_mapper: " << error.what() << "\n";
-    return exit_usage;
-  }
-  try {
-    runOn(arguments);
-  } catch (const std::exception& error) {
-    std::cerr << "offline_mapper: " << error.what() << "\n";
-    return exit_input;
-  }
-  return 0;
+  arguments.declareAll(app);
+  return runTool(
+      app, "offline_mapper", argc, argv, [&] { arguments.settleAll(); }, [&] { runOn(arguments); });
 }

@@ -66,12 +66,18 @@ struct RunReport {
 /// in the gate, the detector answers, the map takes the answer.
 class OfflineRun {
  public:
+  /// With the detector that the parameters name.
   OfflineRun(const BagSource& bag, const RunCamera& camera, const Parameters& parameters);
+  /// With a detector of the caller's, whose camera is set here; it has to outlive the run.
+  OfflineRun(const BagSource& bag, const RunCamera& camera, const Parameters& parameters,
+             Detector& detector);
   ~OfflineRun();
 
   struct Observers {
     /// After every used frame, with the raw picture.
     std::function<void(const Obstacles&, GrayView raw)> used;
+    /// After every frame that reached the detector; false ends the run.
+    std::function<bool(std::uint64_t index, FrameStatus, GrayView raw)> frame;
     std::function<void(double share)> progress;  ///< 0..1
   };
   void run(const Observers& observers);
@@ -91,13 +97,15 @@ class OfflineRun {
 
   const BagSource& bag_;
   Parameters parameters_;
-  std::unique_ptr<Detector> detector_;
+  std::unique_ptr<Detector> own_detector_;
+  Detector& detector_;
   FrameGate<std::pair<std::uint64_t, GrayPicture>> gate_;
   OccupancyMap map_;
   Obstacles obstacles_;
   RunReport report_;
   std::vector<SE2> trajectory_;
   std::uint64_t next_index_ = 0;
+  bool ended_ = false;
 };
 
 }  // namespace ipm_mapping
