@@ -1,0 +1,99 @@
+#include "ipm_mapping/sweep/motion_refinement.hpp"
+
+#include <gtest/gtest.h>
+
+#include "sweep/sweep_fixture.hpp"
+
+namespace ipm_mapping::sweep {
+namespace {
+
+/// Two views of a textured floor with a box in it, the true motion between them known.
+class Refinement : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    scene.boxes = {{1.3, 1.6, 0.25, 0.6, 0.4}};
+    grid = makePolarGrid(scene.camera, scene.T_base_camera, parameters.grid, 2.0);
+    rectification.configure(scene.camera, scene.T_base_camera, grid);
+    lattice.configure(grid, rectification.ranges());
+    current = rectified(T_odom_now);
+    reference = rectified(SE2{});
+  }
+  RectifiedFrame rectified(const SE2& pose) {
+    RectifiedFrame frame;
+    frame.image.resize(grid.rows, grid.lines);
+    const Image<std::uint8_t> raw = scene.render(pose);
+    rectification.rectify(raw.view(), frame.image.view());
+    frame.mean.evaluate(lattice, frame.image.view());
+    return frame;
+  }
+  RefinedMotion refine(const SE2& odometry) {
+    MotionRefinement refinement;
+    refinement.configure(grid, rectification.ranges(), scene.T_base_camera.translation().head<2>(),
+                         parameters.refinement);
+    return refinement.refine(current, reference, odometry);
+  }
+  SweepParameters parameters = test::smallParameters();
+  test::GrainedScene scene{test::smallCamera(), test::smallCameraPose()};
+  const SE2 T_odom_now{0.15, 0.004, 0.03};
+  PolarGrid grid;
+  CylindricalRectification rectification;
+  BlockLattice lattice;
+  RectifiedFrame current, reference;
+};
+
+TEST_F(Refinement, RemovesMostOfAnOdometryError) {
+  const RefinedMotion refined = refine({0.1535, 0.004, 0.032});
+  ASSERT_TRUE(refined.refined);
+  EXPECT_NEAR(refined.motion.x, T_odom_now.x, 0.0008);
+  EXPECT_NEAR(refined.motion.y, T_odom_now.y, 0.0008);
+  EXPECT_NEAR(refined.motion.theta, T_odom_now.theta, 0.0008);
+}
+
+TEST_F(Refinement, KeepsATrueMotion) {
+  const RefinedMotion refined = refine(T_odom_now);
+  EXPECT_NEAR(refined.motion.x, T_odom_now.x, 0.0005);
+  EXPECT_NEAR(refined.motion.theta, T_odom_now.theta, 0.001);
+}
+
+TEST_F(Refinement, CovarianceIsPositiveAndTighterThanThePrior) {
+  const RefinedMotion refined = refine({0.1535, 0.004, 0.032});
+  const double prior =
+      parameters.refinement.sd_forward * 0.1535 + parameters.refinement.sd_forward_floor;
+  EXPECT_GT(refined.covariance.determinant(), 0.0);
+  EXPECT_LT(refined.covariance(0, 0), 0.25 * prior * prior);
+}
+
+TEST_F(Refinement, OffTrustsOdometryButStillFitsBrightness) {
+  parameters.refinement.refine = false;
+  for (int line = 0; line < grid.lines; ++line)
+    for (int row = 0; row < grid.rows; ++row)
+      current.image.at(row, line) =
+          static_cast<std::uint8_t>(std::lround(0.9 * current.image.at(row, line) + 6.0));
+  const RefinedMotion refined = refine(T_odom_now);
+  EXPECT_FALSE(refined.refined);
+  EXPECT_DOUBLE_EQ(refined.motion.x, T_odom_now.x);
+  EXPECT_NEAR(refined.photometric.gain * 80 + refined.photometric.offset, 0.9 * 80 + 6, 2.0);
+}
+
+TEST_F(Refinement, WithoutFloorInCommonOdometryStays) {
+  const SE2 elsewhere{0.15, 0.0, 2.5};
+  const RefinedMotion refined = refine(elsewhere);
+  EXPECT_FALSE(refined.refined);
+  EXPECT_DOUBLE_EQ(refined.motion.theta, elsewhere.theta);
+}
+
+TEST_F(Refinement, FloorBehindAContactDoesNotTakePart) {
+  MotionRefinement refinement;
+  refinement.configure(grid, rectification.ranges(), scene.T_base_camera.translation().head<2>(),
+                       parameters.refinement);
+  const int all = refinement.refine(current, reference, T_odom_now).samples;
+  const int half_way = static_cast<int>(grid.row(0.8));
+  for (int line = 0; line < grid.lines; ++line) refinement.setFloorBegin(line, half_way);
+  const int near = refinement.refine(current, reference, T_odom_now).samples;
+  EXPECT_LT(near, all - 100);
+  refinement.forgetFloor();
+  EXPECT_EQ(refinement.refine(current, reference, T_odom_now).samples, all);
+}
+
+}  // namespace
+}  // namespace ipm_mapping::sweep

@@ -1,0 +1,218 @@
+// Floor cost, specular cost and vertical sweep on a rendered pair of views, against slow versions
+// that go through the camera model point by point.
+
+#include <gtest/gtest.h>
+
+#include "ipm_mapping/sweep/specular_cost.hpp"
+#include "sweep/sweep_fixture.hpp"
+
+namespace ipm_mapping::sweep {
+namespace {
+
+class Costs : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    scene.boxes = {{0.95, 1.25, -0.12, 0.22, 0.4}};
+    const CameraModel& camera = scene.camera;
+    grid = makePolarGrid(camera, scene.T_base_camera, p.grid, 2.0);
+    rectification.configure(camera, scene.T_base_camera, grid);
+    noise.configure(grid, rectification.ranges(), p.noise);
+    sweep.configure(grid, rectification.ranges(), noise.sweepRows(), p.grid.max_support,
+                    p.evidence);
+    floor_cost.configure(grid, rectification.ranges(), p.evidence);
+    now.resize(grid.rows, grid.lines);
+    before.resize(grid.rows, grid.lines);
+    rectification.rectify(scene.render(motion).view(), now.view());
+    rectification.rectify(scene.render(SE2{}).view(), before.view());
+    for (Image<std::int16_t>* plane : {&grey, &unused, &even, &odd})
+      plane->resize(grid.sweepRows(), grid.lines);
+    weight.resize(grid.sweepRows(), grid.lines);
+    cost.resize(grid.sweepRows(), sweep.beams());
+    const Photometric same;
+    for (int line = 0; line < grid.lines; ++line) {
+      kernels::splitRows(now.row(line), same.fixedGain(), 0, grid.sweepRows(), grey.row(line),
+                         unused.row(line));
+      kernels::splitRows(before.row(line), same.fixedGain(), 0, grid.sweepRows(), even.row(line),
+                         odd.row(line));
+    }
+    noise.evaluate(now.view(), weight.view());
+    current = {grey.view(), weight.view(), &noise.sweepRows()};
+    floor_cost.evaluate(current, before.view(), foot_motion, same, cost.view());
+    reference = {even.view(), odd.view(), cost.view(), foot_motion};
+  }
+  [[nodiscard]] double boxDistance(int beam) const {
+    // the front face x = 0.95 in odom, seen from the foot
+    const Eigen::Vector2d foot = scene.T_base_camera.translation().head<2>();
+    return (0.95 - motion.x - foot.x()) / std::cos(sweep.azimuth(beam));
+  }
+  [[nodiscard]] bool facesBox(int beam) const {
+    const double y = boxDistance(beam) * std::sin(sweep.azimuth(beam)) - 0.01;
+    return y > -0.07 && y < 0.17;
+  }
+  /// Grey level of the reference between pixels of the polar grid; false outside the view.
+  [[nodiscard]] bool sample(const Eigen::Vector2d& p, double r_factor, double& value) const {
+    const double row = grid.row(p.norm() * r_factor), line = grid.line(std::atan2(p.y(), p.x()));
+    if (line < 0 || line >= grid.lines - 1 || row < 0 || row >= grid.rows - 1) return false;
+    const int l = static_cast<int>(line), j = static_cast<int>(row);
+    const RowRange seen = intersection(rectification.rows(l), rectification.rows(l + 1));
+    if (j < seen.begin || j + 1 >= seen.end) return false;
+    const double a = row - j, b = line - l;
+    value = (1 - b) * ((1 - a) * before.at(j, l) + a * before.at(j + 1, l)) +
+            b * ((1 - a) * before.at(j, l + 1) + a * before.at(j + 1, l + 1));
+    return true;
+  }
+  [[nodiscard]] static double capped(double e, double weight) {
+    const double t = std::min(std::abs(e) * weight / 32768.0, 3.0);
+    return t * t;
+  }
+
+  SweepParameters p = test::smallParameters();
+  test::GrainedScene scene{test::smallCamera(), test::smallCameraPose()};
+  const SE2 motion{0.16, 0.01, 0.04};
+  const FootMotion foot_motion{motion, Eigen::Vector2d(0.05, -0.01)};
+  PolarGrid grid;
+  CylindricalRectification rectification;
+  NoiseModel noise;
+  FloorCost floor_cost;
+  VerticalSweep sweep;
+  Image<std::uint8_t> now, before;
+  Image<std::int16_t> grey, unused, even, odd;
+  Image<std::uint16_t> weight, cost;
+  CurrentView current;
+  SweepReference reference;
+};
+
+TEST_F(Costs, ResidualIsTheFloorWarpedPointByPoint) {
+  int compared = 0;
+  for (int line = 2; line < grid.lines - 2; line += 3) {
+    for (int j = 3; j < grid.sweepRows() - 3; j += 5) {
+      const std::int16_t got = floor_cost.residual().at(j, line);
+      if (got == kernels::no_residual) continue;
+      const double az = grid.azimuth(line), d = grid.distance(2 * j);
+      double value = 0.0;
+      ASSERT_TRUE(
+          sample(foot_motion * (d * Eigen::Vector2d(std::cos(az), std::sin(az))), 1.0, value));
+      EXPECT_NEAR(got / 32.0, now.at(2 * j, line) - value, 1.5) << line << ' ' << j;
+      ++compared;
+    }
+  }
+  EXPECT_GT(compared, 500);
+}
+
+TEST_F(Costs, FloorIsCheapAndTheBoxIsNot) {
+  double on_floor = 0, on_box = 0;
+  int floor_rows = 0, box_rows = 0;
+  for (int beam = 0; beam < sweep.beams(); ++beam) {
+    if (!facesBox(beam)) continue;
+    const int contact = static_cast<int>(grid.row(boxDistance(beam))) / 2;
+    for (int j = contact + 4; j < sweep.rows(beam).end; ++j)
+      if (cost.at(j, beam) != kernels::no_cost) on_floor += cost.at(j, beam), ++floor_rows;
+    for (int j = contact - 30; j < contact - 4; ++j)
+      if (cost.at(j, beam) != kernels::no_cost) on_box += cost.at(j, beam), ++box_rows;
+  }
+  ASSERT_GT(floor_rows, 100);
+  ASSERT_GT(box_rows, 100);
+  EXPECT_LT(on_floor / floor_rows, 0.6 * kernels::cost_unit);
+  EXPECT_GT(on_box / box_rows, 2.0 * on_floor / floor_rows);
+}
+
+/// The definition of the score, in floating point, one candidate at a time.
+TEST_F(Costs, ScoresEqualTheDefinition) {
+  SweepScores scores;
+  sweep.evaluate(current, &reference, 1, 0.0F, scores);
+  const double unit = kernels::cost_unit;
+  int compared = 0;
+  for (int beam = 3; beam < sweep.beams(); beam += 4) {
+    for (int c = 10; c < sweep.candidates(); c += 9) {
+      const int contact = static_cast<int>(sweep.sweepRow(c));
+      const double d = sweep.distance(c), az = sweep.azimuth(beam);
+      const Eigen::Vector2d place = foot_motion * (d * Eigen::Vector2d(std::cos(az), std::sin(az)));
+      const double first_line = grid.line(std::atan2(place.y(), place.x())) - 3.5;
+      double sum = 0.0, best = 0.0;
+      const int reach = static_cast<int>(
+          std::lround(-std::log(1 - p.grid.max_support) * p.grid.rows_per_log / 2));
+      for (int j = std::min(contact, sweep.rows(beam).end - 1);
+           j >= std::max(contact - reach, sweep.rows(beam).begin); --j) {
+        if (cost.at(j, beam) == kernels::no_cost) continue;
+        double vertical = 0.0;
+        bool seen = true;
+        for (int k = 0; k < 8; ++k) {
+          // the same height on the line, seen from the reference
+          const double az_ref = grid.azimuth(first_line + k);
+          double value = 0.0;
+          const double r_ref = grid.r(2 * j) * d / place.norm();
+          seen &=
+              sample((grid.height / r_ref) * Eigen::Vector2d(std::cos(az_ref), std::sin(az_ref)),
+                     1.0, value);
+          const int line = sweep.firstLine(beam) + k;
+          vertical += capped(now.at(2 * j, line) - value, weight.at(j, line)) / 8;
+        }
+        if (!seen) continue;
+        const double floor = std::min(cost.at(j, beam) / unit, p.evidence.floor_cap);
+        sum += (floor - vertical - p.evidence.vertical_prior) * p.evidence.evidence_rows *
+               grid.r(2 * j) * 2 / p.grid.rows_per_log;
+        best = std::max(best, sum);
+      }
+      EXPECT_NEAR(scores.score.at(c, beam), best, 2.0 + 0.08 * best) << beam << ' ' << c;
+      ++compared;
+    }
+  }
+  EXPECT_GT(compared, 100);
+}
+
+TEST_F(Costs, StoppingEarlyLosesNothing) {
+  SweepScores all, most;
+  sweep.evaluate(current, &reference, 1, 0.0F, all);
+  sweep.evaluate(current, &reference, 1, 8.0F, most);
+  int strong = 0;
+  for (int beam = 0; beam < sweep.beams(); ++beam) {
+    for (int c = 0; c < sweep.candidates(); ++c) {
+      if (all.score.at(c, beam) < 8.0F) {
+        EXPECT_LT(most.score.at(c, beam), 8.0F);
+        continue;
+      }
+      EXPECT_EQ(most.score.at(c, beam), all.score.at(c, beam)) << beam << ' ' << c;
+      EXPECT_EQ(most.top.at(c, beam), all.top.at(c, beam));
+      ++strong;
+    }
+  }
+  EXPECT_GT(strong, 50);
+}
+
+TEST_F(Costs, TheBestCandidateOfABeamThatFacesTheBoxIsItsContact) {
+  SweepScores scores;
+  sweep.evaluate(current, &reference, 1, 0.0F, scores);
+  int facing = 0;
+  for (int beam = 0; beam < sweep.beams(); ++beam) {
+    if (!facesBox(beam)) continue;
+    const float* s = scores.score.row(beam);
+    const auto best = std::max_element(s, s + sweep.candidates()) - s;
+    EXPECT_NEAR(sweep.distance(static_cast<double>(best)), boxDistance(beam), 0.025) << beam;
+    ++facing;
+  }
+  EXPECT_GT(facing, 4);
+}
+
+TEST_F(Costs, AStaticViewIsExplainedAndAMovingFloorIsNot) {
+  SpecularCost specular;
+  p.evidence.specular_parallax = 0.0;
+  specular.configure(grid, rectification.ranges(), p.evidence);
+  Image<std::uint16_t> lowered = cost;
+  SweepReference still = reference;
+  Image<std::int16_t> still_odd = unused;
+  still.even = grey.view();  // the reference shows exactly what is seen now
+  still.odd = still_odd.view();
+  specular.apply(current, sweep, still, 0.0, lowered.view());
+  const auto prior = static_cast<int>(std::lround(p.evidence.specular_prior * kernels::cost_unit));
+  int lower = 0;
+  for (int beam = 0; beam < sweep.beams(); ++beam)
+    for (int j = sweep.rows(beam).begin; j < sweep.rows(beam).end; ++j) {
+      if (lowered.at(j, beam) == kernels::no_cost) continue;
+      EXPECT_LE(lowered.at(j, beam), std::max<int>(prior, 0));
+      lower += lowered.at(j, beam) < cost.at(j, beam);
+    }
+  EXPECT_GT(lower, 100);
+}
+
+}  // namespace
+}  // namespace ipm_mapping::sweep

@@ -1,0 +1,198 @@
+#include "ipm_mapping/sweep/sweep_detector.hpp"
+
+#include <gtest/gtest.h>
+#include <hwy/targets.h>
+
+#include <set>
+#include <string>
+
+#include "ipm_mapping/parameters/visitors.hpp"
+#include "kernels/sweep_targets.hpp"
+#include "sweep/sweep_fixture.hpp"
+
+namespace ipm_mapping::sweep {
+namespace {
+
+/// Drives a detector through a rendered world.
+class Drive {
+ public:
+  explicit Drive(const SweepParameters& parameters = test::smallParameters(), double pitch = 0.42)
+      : scene(test::smallCamera(), test::smallCameraPose(pitch)), detector(parameters) {
+    detector.setCamera(scene.camera, scene.T_base_camera);
+  }
+  FrameStatus at(const SE2& pose) {
+    const Image<std::uint8_t> picture = scene.render(pose);
+    Frame frame;
+    frame.index = index++;
+    frame.stamp = 0.1 * static_cast<double>(frame.index);
+    frame.image = picture.view();
+    frame.T_odom_base = pose;
+    last = pose;
+    return detector.process(frame, obstacles);
+  }
+  /// Forward (or back) along x in steps; returns the last status.
+  FrameStatus along(double from, double to, int steps) {
+    FrameStatus status = FrameStatus::NoReference;
+    for (int i = 0; i <= steps; ++i) status = at({from + (to - from) * i / steps, 0.0, 0.0});
+    return status;
+  }
+  /// Share of the contacts within 3 cm of a box.
+  [[nodiscard]] double shareOnOutlines() const {
+    int good = 0;
+    for (const Contact& c : obstacles.contacts)
+      good += scene.distanceToOutline(last * c.p_base.cast<double>()) < 0.03;
+    return obstacles.contacts.empty() ? 0.0 : good / static_cast<double>(obstacles.contacts.size());
+  }
+  test::GrainedScene scene;
+  SweepDetector detector;
+  Obstacles obstacles;
+  std::uint64_t index = 0;
+  SE2 last;
+};
+
+TEST(SweepDetector, FindsTheFrontOfABoxAndNothingElse) {
+  Drive drive;
+  drive.scene.boxes = {{1.25, 1.5, -0.2, 0.25, 0.4}};
+  ASSERT_EQ(drive.along(0.0, 0.4, 5), FrameStatus::Used);
+  EXPECT_GE(drive.obstacles.contacts.size(), 5U);
+  EXPECT_GE(drive.shareOnOutlines(), 0.99);
+}
+
+TEST(SweepDetector, FindsItWithALevelCameraToo) {
+  Drive drive(test::smallParameters(), 0.0);
+  drive.scene.boxes = {{1.6, 1.9, -0.3, 0.35, 0.5}};
+  ASSERT_EQ(drive.along(0.0, 0.4, 5), FrameStatus::Used);
+  EXPECT_GE(drive.obstacles.contacts.size(), 4U);
+  EXPECT_GE(drive.shareOnOutlines(), 0.75);
+}
+
+TEST(SweepDetector, FindsItWhileReversing) {
+  Drive drive;
+  drive.scene.boxes = {{1.3, 1.5, -0.2, 0.25, 0.4}};
+  ASSERT_EQ(drive.along(0.4, 0.0, 5), FrameStatus::Used);
+  EXPECT_GE(drive.obstacles.contacts.size(), 4U);
+  EXPECT_GE(drive.shareOnOutlines(), 0.95);
+}
+
+TEST(SweepDetector, AnEmptyFloorIsFreeAndHasNoContacts) {
+  Drive drive;
+  ASSERT_EQ(drive.along(0.0, 0.4, 5), FrameStatus::Used);
+  EXPECT_TRUE(drive.obstacles.contacts.empty());
+  int free = 0;
+  for (const Bearing& b : drive.obstacles.bearings) {
+    EXPECT_NE(b.state, BearingState::Occupied);
+    EXPECT_NE(b.state, BearingState::Blocked);
+    free += b.state == BearingState::Free && b.range > 1.0F;
+  }
+  EXPECT_GT(free, static_cast<int>(drive.obstacles.bearings.size()) / 4);
+}
+
+TEST(SweepDetector, FloorBehindAnObstacleIsNeverFree) {
+  Drive drive;
+  drive.scene.boxes = {{1.0, 1.3, -0.25, 0.25, 0.4}};
+  ASSERT_EQ(drive.along(0.0, 0.32, 4), FrameStatus::Used);
+  const Eigen::Vector2d foot = drive.scene.T_base_camera.translation().head<2>();
+  for (const Bearing& b : drive.obstacles.bearings) {
+    const double y = (0.68 - foot.x()) * std::tan(static_cast<double>(b.angle)) + foot.y();
+    if (std::abs(y) > 0.2 || b.state != BearingState::Free) continue;
+    EXPECT_LT(b.range, (0.68 - foot.x()) / std::cos(static_cast<double>(b.angle)) + 0.05);
+  }
+}
+
+TEST(SweepDetector, BearingsRunFromLeftToRightAndContactsPointToTheirs) {
+  Drive drive;
+  drive.scene.boxes = {{1.25, 1.5, -0.2, 0.25, 0.4}};
+  ASSERT_EQ(drive.along(0.0, 0.4, 5), FrameStatus::Used);
+  const auto& bearings = drive.obstacles.bearings;
+  for (std::size_t i = 1; i < bearings.size(); ++i)
+    EXPECT_LT(bearings[i].angle, bearings[i - 1].angle);
+  const Eigen::Vector2d foot = drive.scene.T_base_camera.translation().head<2>();
+  const GroundProjection floor = drive.obstacles.view.currentFloor();
+  for (const Contact& c : drive.obstacles.contacts) {
+    const Bearing& b = bearings[static_cast<std::size_t>(c.bearing)];
+    const Eigen::Vector2d seen = c.p_base.cast<double>() - foot;
+    EXPECT_EQ(b.state, BearingState::Occupied);
+    EXPECT_NEAR(std::atan2(seen.y(), seen.x()), static_cast<double>(b.angle), 1e-5);
+    EXPECT_NEAR(seen.norm(), static_cast<double>(b.range), 1e-5);
+    const auto pixel = floor.pixel(c.p_base.cast<double>());
+    ASSERT_TRUE(pixel);
+    EXPECT_NEAR(pixel->x(), static_cast<double>(c.u), 0.01);
+    EXPECT_NEAR(pixel->y(), static_cast<double>(c.v), 0.01);
+    EXPECT_GT(c.range_sigma, 0.0F);
+    EXPECT_GT(c.height, 0.0F);
+    EXPECT_LT(c.height, 0.45F);
+  }
+}
+
+TEST(SweepDetector, SaysWhyThereIsNoAnswer) {
+  Drive drive;
+  EXPECT_EQ(drive.at({0, 0, 0}), FrameStatus::NoReference);
+  EXPECT_EQ(drive.at({0.0005, 0, 0}), FrameStatus::NoMotion);
+  EXPECT_EQ(drive.at({0.2, 0, 0}), FrameStatus::Used);
+  EXPECT_EQ(drive.at({0.2, 0, 0}), FrameStatus::NoMotion);
+  EXPECT_TRUE(drive.obstacles.bearings.empty());
+  EXPECT_EQ(drive.at({0.4, 0, 1.0}), FrameStatus::TooMuchRotation);
+  drive.detector.reset();
+  EXPECT_EQ(drive.at({0.6, 0, 0}), FrameStatus::NoReference);
+}
+
+TEST(SweepDetector, RefusesImagesOfAnotherSizeAndAMissingCamera) {
+  SweepDetector detector;
+  Obstacles obstacles;
+  Image<std::uint8_t> picture(100, 50);
+  Frame frame;
+  frame.image = picture.view();
+  EXPECT_EQ(detector.process(frame, obstacles), FrameStatus::NoCamera);
+  detector.setCamera(test::smallCamera(), test::smallCameraPose());
+  EXPECT_EQ(detector.process(frame, obstacles), FrameStatus::SizeMismatch);
+  detector.setCamera(test::smallCamera(), cameraPose(0, 0, 0.45, -0.8));
+  Image<std::uint8_t> right(400, 300);
+  frame.image = right.view();
+  EXPECT_EQ(detector.process(frame, obstacles), FrameStatus::GeometryUnusable);
+}
+
+TEST(SweepDetector, TheAnswerIsTheSameOnEveryInstructionSet) {
+  std::vector<float> first;
+  test::withEverySweepTarget([&] {
+    Drive drive;
+    drive.scene.boxes = {{1.25, 1.5, -0.2, 0.25, 0.4}};
+    ASSERT_EQ(drive.along(0.2, 0.4, 3), FrameStatus::Used);
+    std::vector<float> answer;
+    for (const Bearing& b : drive.obstacles.bearings) answer.push_back(b.range);
+    for (const Contact& c : drive.obstacles.contacts) {
+      answer.push_back(c.p_base.x());
+      answer.push_back(c.score);
+    }
+    if (first.empty()) first = answer;
+    EXPECT_EQ(answer, first);
+  });
+}
+
+TEST(SweepDetector, RefinedMotionIsNearerTheTruthThanOdometry) {
+  Drive drive;
+  const Image<std::uint8_t> a = drive.scene.render({0, 0, 0});
+  const Image<std::uint8_t> b = drive.scene.render({0.16, 0, 0});
+  Frame frame;
+  frame.image = a.view();
+  ASSERT_EQ(drive.detector.process(frame, drive.obstacles), FrameStatus::NoReference);
+  frame.image = b.view();
+  frame.stamp = 0.1;
+  frame.T_odom_base = {0.1635, 0.0, 0.001};
+  ASSERT_EQ(drive.detector.process(frame, drive.obstacles), FrameStatus::Used);
+  EXPECT_NEAR(drive.detector.refinedMotion().motion.x, 0.16, 0.001);
+  EXPECT_DOUBLE_EQ(drive.obstacles.view.motion.x, drive.detector.refinedMotion().motion.x);
+}
+
+TEST(SweepParameters, EveryFieldHasANameOfItsOwnAndADefaultInsideItsRange) {
+  SweepParameters parameters;
+  std::set<std::string> names;
+  forEachField(parameters, [&](const char* name, auto& value, Unit, Range range, const char* doc) {
+    EXPECT_TRUE(names.insert(name).second) << name;
+    EXPECT_TRUE(range.contains(static_cast<double>(value))) << name;
+    EXPECT_GT(std::string(doc).size(), 10U) << name;
+  });
+  EXPECT_GT(names.size(), 50U);
+}
+
+}  // namespace
+}  // namespace ipm_mapping::sweep
