@@ -1,28 +1,31 @@
 """Curves: one quantity of a scene or of a detector is changed, everything else stays."""
-from .experiments import Case
+import math
+import os
+
+import yaml
+
+from .experiments import FRAMES, SCENES, Case
 from .tables import cell, table
 
 SHOWN = [("false_percent", "false %"), ("median_error_cm", "median cm"),
          ("recall_percent", "recall %")]
-DEGREE = 0.017453292519943295
+SCENE = "lab_normal"
+DEGREE = math.pi / 180
 
 
 class Sweep:
     """Values of one quantity and the figures at each, for each detector."""
 
-    def __init__(self, title, unit, values, scene_changes=None, settings=None, scene="lab_normal"):
-        self.title, self.unit, self.values, self.scene = title, unit, values, scene
-        self.scene_changes = scene_changes or (lambda value: [])
+    def __init__(self, title, unit, values, case=None, settings=None):
+        self.title, self.unit, self.values = title, unit, values
+        self.case = case or (lambda value: Case(SCENE, frames=FRAMES))
         self.settings = settings or (lambda value, detector: [])
         self.figures = {}
 
     def run(self, bench, detectors):
         for value in self.values:
-            label = f"{self.scene}-{self.title}-{value:g}".replace(" ", "_")
-            changes = self.scene_changes(value)
-            case = Case(self.scene, label, changes) if changes else Case(self.scene)
             for detector in detectors:
-                figures = bench.figures(case, detector, self.settings(value, detector))
+                figures = bench.figures(self.case(value), detector, self.settings(value, detector))
                 self.figures.setdefault(detector, []).append(figures)
 
     def table(self):
@@ -37,34 +40,56 @@ class Sweep:
         return table(header, rows)
 
 
+def _scene():
+    with open(os.path.join(SCENES, SCENE + ".yaml")) as file:
+        return yaml.safe_load(file)
+
+
+def _changed(key, scale=1.0):
+    """The scene with another value of one entry."""
+    return lambda value: Case(SCENE, [f"{key}={value * scale:.8g}"], FRAMES)
+
+
+def _noisy(value):
+    """Shot noise in the mid-tones is inversely proportional to the root of the full well."""
+    return _changed("sensor.full_well")(round(9000 * (1.3 / value) ** 2))
+
+
 def _speed(value):
-    """The same path at another speed: commands scaled, segments stretched."""
-    drive = [(4, 0.25, 0.0), (3, 0.25, 0.05), (6, 0.24, -0.06), (4, 0.22, 0.1)]
-    ratio = value / 0.25
-    rows = [f"{{seconds: {s / ratio:.4f}, v: {v * ratio:.4f}, w: {w * ratio:.4f}}}"
-            for s, v, w in drive]
-    return ["drive=[" + ", ".join(rows) + "]"]
+    """The same path at another speed: commands scaled, segments stretched, frames to its end."""
+    drive = _scene()["drive"]
+    ratio = value / drive[0]["v"]
+    rows = [f"{{seconds: {s['seconds'] / ratio:.4f}, v: {s['v'] * ratio:.4f}, "
+            f"w: {s['w'] * ratio:.4f}}}" for s in drive]
+    return Case(SCENE, ["drive=[" + ", ".join(rows) + "]"], round(FRAMES / ratio))
 
 
 def _baseline(value, detector):
     """Metres between the two frames that are compared, in each detector's own words."""
     if detector == "default":
-        heights = value / 0.45
-        return [f"sweep/short_baseline={0.5 * heights:.4f}",
-                f"sweep/long_baseline={heights:.4f}"]
+        heights = value / _scene()["camera"]["z"]
+        return [f"sweep/short_baseline={0.5 * heights:.4f}", f"sweep/long_baseline={heights:.4f}"]
     return [f"reference/min_baseline={value:g}", "reference/previous_frame=false"]
+
+
+def _mounting(key, scale):
+    """The mapper is told a wrong mounting; the value is what is true minus what is stated."""
+    def settings(value, _):
+        camera = {name: _scene()["camera"][name] for name in ("x", "y", "z", "pitch")}
+        camera[key] -= value * scale
+        return ["camera/pose_from_tf=false"] + [f"camera/{k}={v:.6g}" for k, v in camera.items()]
+    return settings
 
 
 def sweeps():
     return [
-        Sweep("pitch error", "degrees", [-2, -1, -0.5, -0.2, -0.1, 0, 0.1, 0.2, 0.5, 1, 2],
-              lambda v: [f"camera.pitch_error={v * DEGREE:.6f}"]),
-        Sweep("yaw rate bias", "degrees/s", [-2, -1, -0.5, 0, 0.5, 1, 2],
-              lambda v: [f"odometry.yaw_bias={v * DEGREE:.6f}"]),
-        Sweep("distance scale error", "percent", [-5, -2, -1, 0, 1, 2, 5],
-              lambda v: [f"odometry.scale={v / 100}"]),
-        Sweep("speed", "m/s", [0.1, 0.25, 0.5, 0.8], _speed),
-        Sweep("sensor noise", "grey levels in the mid-tones", [0.7, 1.3, 2.5, 4, 6],
-              lambda v: [f"sensor.full_well={9000 * (1.3 / v) ** 2:.0f}"]),
+        Sweep("pitch error", "degrees", [-2, -1, -0.5, -0.2, 0, 0.2, 0.5, 1, 2],
+              settings=_mounting("pitch", DEGREE)),
+        Sweep("height error", "cm", [-2, -1, 0, 1, 2], settings=_mounting("z", 0.01)),
         Sweep("baseline", "m", [0.05, 0.1, 0.2, 0.3, 0.45], settings=_baseline),
+        Sweep("yaw rate bias", "degrees per s", [-1, 0, 1, 2],
+              _changed("odometry.yaw_bias", DEGREE)),
+        Sweep("distance scale error", "percent", [-2, 0, 2, 5], _changed("odometry.scale", 0.01)),
+        Sweep("speed", "m per s", [0.125, 0.25, 0.5, 1.0], _speed),
+        Sweep("sensor noise", "grey levels in the mid-tones", [0.65, 1.3, 2.6, 5.2], _noisy),
     ]
