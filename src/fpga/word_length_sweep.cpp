@@ -107,6 +107,7 @@ std::vector<WordLengthResult> sweepWordLength(const ExplorerInput& input,
     WordLengthDatapath datapath(parameters, WordLengths().with(wire, bits));
     WordLengthResult result;
     result.fraction_bits = bits;
+    result.ideal = ideal.results.selected;
     result.usable = datapath.run(input, found);
     if (result.usable) {
       std::vector<double> errors = pixelErrors(input.view, datapath.sampled());
@@ -115,6 +116,7 @@ std::vector<WordLengthResult> sweepWordLength(const ExplorerInput& input,
       result.changed_difference = changed(ideal.difference, found.difference);
       result.changed_mask = changed(ideal.mask, found.mask);
       result.threshold_change = found.results.threshold_out - ideal.results.threshold_out;
+      result.selected = found.results.selected;
       comparePoints(ideal.results.selected, found.results.selected, result);
     }
     results.push_back(result);

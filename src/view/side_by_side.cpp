@@ -12,7 +12,7 @@ namespace {
 constexpr Color ground{0x151C23}, words{0xFFFFFF}, ring_color{0x2FBF71}, disk_color{0xE040C0};
 
 /// Lengths as shares of a panel's height.
-constexpr double caption_share = 0.07, text_share = 0.026, gap_share = 0.02;
+constexpr double caption_share = 0.08, text_share = 0.036, gap_share = 0.02;
 
 std::uint8_t scaled(int difference, int gain) {
   return static_cast<std::uint8_t>(std::min(255, difference * gain));

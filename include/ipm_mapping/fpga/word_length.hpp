@@ -88,6 +88,8 @@ struct WordLengthResult {
   int points = 0;              ///< selected
   int lost_points = 0;         ///< of long words' points, none within one bearing spacing
   double contact_error = 0.0;  ///< px, median distance of the others
+  SelectedContacts selected;   ///< with this word length
+  SelectedContacts ideal;      ///< with long words
 };
 [[nodiscard]] std::vector<WordLengthResult> sweepWordLength(const ExplorerInput& input,
                                                             const FpgaParameters& parameters,

@@ -8,8 +8,8 @@ namespace ipm_mapping {
 struct ComparisonParameters {
   int queue = 32;
   int waiting_frames = 32;
-  int gain = 8;
-  double contact_size = 7.0;
+  int gain = 4;
+  double contact_size = 10.0;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& field) {
