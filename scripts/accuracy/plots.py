@@ -32,20 +32,24 @@ def scenes(results, detectors, folder):
                      label=detector)
         axis.set_ylabel(title)
         axis.grid(axis="y", alpha=0.4)
-    axes[0].legend(ncol=len(detectors))
+    axes[2].set_yscale("log")
+    axes[0].legend(ncol=len(detectors), loc="lower center", bbox_to_anchor=(0.5, 1.0))
     axes[-1].set_xticks(range(len(shown)))
     axes[-1].set_xticklabels(shown, rotation=40, ha="right")
     return _save(figure, folder, "scenes.png")
 
 
 def sensitivity(sweep, folder):
-    figure, axes = plt.subplots(1, len(CURVES), figsize=(12, 3))
+    figure, axes = plt.subplots(1, len(CURVES), figsize=(12, 3), layout="constrained")
     for axis, (key, title) in zip(axes, CURVES):
         for detector, series in sweep.figures.items():
             heights = [figures[key] if figures[key] is not None else float("nan")
                        for figures in series]
             axis.plot(sweep.values, heights, "o-", label=detector)
-        axis.set_ylim(bottom=0)
+        if key == "median_error_cm":
+            axis.set_yscale("log")
+        else:
+            axis.set_ylim(0, 103)
         axis.set_xlabel(f"{sweep.title}, {sweep.unit}")
         axis.set_ylabel(title)
         axis.grid(alpha=0.4)

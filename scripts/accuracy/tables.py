@@ -1,4 +1,7 @@
 """The report's tables as Markdown."""
+import os
+
+FINDINGS, FINDINGS_END = "<!-- findings: kept as written -->", "<!-- end of the findings -->"
 
 COLUMNS = [
     ("false_percent", "false %"), ("median_error_cm", "median cm"), ("p90_error_cm", "p90 cm"),
@@ -140,11 +143,23 @@ def goals_summary(results, detector):
             f"{clean} of {len(empty)} empty floors stay empty.")
 
 
-def document(results, sensitivities, detectors, command, pictures):
+def findings_of(path):
+    """What people wrote into a report between the two marks: kept when it is made anew."""
+    if not os.path.exists(path):
+        return ""
+    with open(path) as file:
+        text = file.read()
+    if FINDINGS not in text:
+        return ""
+    return text.split(FINDINGS, 1)[1].split(FINDINGS_END, 1)[0].strip("\n")
+
+
+def document(results, sensitivities, detectors, command, pictures, findings):
     """The whole report; pictures maps a title to a path relative to the document."""
     first = detectors[0]
     parts = ["# Accuracy", "", "Made by", "", "```", command, "```", "", METHOD, "",
              "## Goals", "", goals_summary(results, first), "", goals_table(results, first), "",
+             FINDINGS, findings, FINDINGS_END, "",
              "## Beside the source", "", source_table(results, detectors), "",
              "## Empty floors", "", empty_table(results, detectors), "",
              "## Kinds of obstacles", "", kinds_table(results, detectors), ""]
