@@ -42,7 +42,7 @@ class BagSource {
     std::function<void(const Image&)> image;
     std::function<void(double stamp, const nav_msgs::Odometry&)> odometry;
     std::function<void(double share)> progress;  ///< 0..1
-    std::function<bool()> done;                  ///< true ends the reading early
+    std::function<bool()> done = {};             ///< true ends the reading early
   };
   void read(const Handlers& handlers) const;
 
