@@ -15,7 +15,7 @@ CURVES = [("false_percent", "false, %"), ("median_error_cm", "median, cm"),
 
 
 def _save(figure, folder, name):
-    path = os.path.join(folder, name)
+    path = os.path.join(folder, "accuracy_" + name)
     figure.savefig(path, dpi=90, bbox_inches="tight")
     plt.close(figure)
     return path

@@ -4,12 +4,14 @@ import os
 
 import yaml
 
-from .experiments import FRAMES, SCENES, Case
+from .experiments import SCENES, Case
 from .tables import cell, table
 
 SHOWN = [("false_percent", "false %"), ("median_error_cm", "median cm"),
          ("recall_percent", "recall %")]
 SCENE = "lab_normal"
+FRAMES = 60
+NOISE, FULL_WELL = 1.3, 9000  # grey levels in the mid-tones; electrons
 DEGREE = math.pi / 180
 
 
@@ -45,20 +47,23 @@ def _scene():
         return yaml.safe_load(file)
 
 
-def _changed(key, scale=1.0):
-    """The scene with another value of one entry."""
-    return lambda value: Case(SCENE, [f"{key}={value * scale:.8g}"], FRAMES)
+def _odometry(key, scale):
+    """The scene with another error of its odometry."""
+    return lambda value: Case(SCENE, [f"odometry.{key}={value * scale:.8g}"], FRAMES)
 
 
 def _noisy(value):
     """Shot noise in the mid-tones is inversely proportional to the root of the full well."""
-    return _changed("sensor.full_well")(round(9000 * (1.3 / value) ** 2))
+    full_well = round(FULL_WELL * (NOISE / value) ** 2)
+    return Case(SCENE, [f"sensor.full_well={full_well}"] if value != NOISE else [], FRAMES)
 
 
 def _speed(value):
     """The same path at another speed: commands scaled, segments stretched, frames to its end."""
     drive = _scene()["drive"]
     ratio = value / drive[0]["v"]
+    if ratio == 1:
+        return Case(SCENE, frames=FRAMES)
     rows = [f"{{seconds: {s['seconds'] / ratio:.4f}, v: {s['v'] * ratio:.4f}, "
             f"w: {s['w'] * ratio:.4f}}}" for s in drive]
     return Case(SCENE, ["drive=[" + ", ".join(rows) + "]"], round(FRAMES / ratio))
@@ -87,9 +92,9 @@ def sweeps():
               settings=_mounting("pitch", DEGREE)),
         Sweep("height error", "cm", [-2, -1, 0, 1, 2], settings=_mounting("z", 0.01)),
         Sweep("baseline", "m", [0.05, 0.1, 0.2, 0.3, 0.45], settings=_baseline),
-        Sweep("yaw rate bias", "degrees per s", [-1, 0, 1, 2],
-              _changed("odometry.yaw_bias", DEGREE)),
-        Sweep("distance scale error", "percent", [-2, 0, 2, 5], _changed("odometry.scale", 0.01)),
+        Sweep("yaw rate bias", "degrees per s", [0, 1, 2], _odometry("yaw_bias", DEGREE)),
+        Sweep("distance scale error", "percent", [-2, 2, 5], _odometry("scale", 0.01)),
         Sweep("speed", "m per s", [0.125, 0.25, 0.5, 1.0], _speed),
-        Sweep("sensor noise", "grey levels in the mid-tones", [0.65, 1.3, 2.6, 5.2], _noisy),
+        Sweep("sensor noise", "grey levels in the mid-tones",
+              [0.5 * NOISE, NOISE, 2 * NOISE, 4 * NOISE], _noisy),
     ]
