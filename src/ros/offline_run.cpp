@@ -113,12 +113,12 @@ void OfflineRun::addImage(const BagSource::Image& image) {
     return;
   }
   const double stamp = image.stamp + parameters_.camera.image_time_offset;
-  if (gate_.addFrame(stamp, {index, *image.picture})) restart();
+  if (gate_.addFrame(stamp, {index, *image.picture}, image.arrival)) restart();
 }
 
-void OfflineRun::addOdometry(double stamp, const nav_msgs::Odometry& odometry) {
+void OfflineRun::addOdometry(double stamp, double arrival, const nav_msgs::Odometry& odometry) {
   OdometryVerdict verdict = OdometryVerdict::Accepted;
-  if (gate_.addOdometry(stamp, poseOf(odometry), &verdict)) restart();
+  if (gate_.addOdometry(stamp, poseOf(odometry), arrival, &verdict)) restart();
   ++report_.odometry[name(verdict)];
 }
 
@@ -153,8 +153,8 @@ void OfflineRun::run(const Observers& observers) {
                addImage(image);
                processReady(observers);
              },
-             [&](double stamp, const nav_msgs::Odometry& odometry) {
-               addOdometry(stamp, odometry);
+             [&](double stamp, double arrival, const nav_msgs::Odometry& odometry) {
+               addOdometry(stamp, arrival, odometry);
                processReady(observers);
              },
              observers.progress});

@@ -82,8 +82,8 @@ class FrameDumper {
     detector_.setCamera(camera.model, camera.T_base_camera);
     if (detector_.cameraError()) throw BagError(*detector_.cameraError());
     bag.read({[this](const BagSource::Image& image) { addImage(image); },
-              [this](double stamp, const nav_msgs::Odometry& odometry) {
-                if (gate_.addOdometry(stamp, poseOf(odometry))) detector_.reset();
+              [this](double stamp, double arrival, const nav_msgs::Odometry& odometry) {
+                if (gate_.addOdometry(stamp, poseOf(odometry), arrival)) detector_.reset();
                 processReady();
               },
               [](double) {}});
@@ -99,7 +99,7 @@ class FrameDumper {
     const std::int64_t index = next_index_++;
     if (!image.picture) return;
     const double stamp = image.stamp + a_.options.parameters.camera.image_time_offset;
-    if (gate_.addFrame(stamp, {index, *image.picture})) detector_.reset();
+    if (gate_.addFrame(stamp, {index, *image.picture}, image.arrival)) detector_.reset();
     processReady();
   }
 
