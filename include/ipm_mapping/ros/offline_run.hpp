@@ -89,7 +89,7 @@ class OfflineRun {
 
  private:
   void addImage(const BagSource::Image& image);
-  void addOdometry(double stamp, const nav_msgs::Odometry& odometry);
+  void addOdometry(double stamp, double arrival, const nav_msgs::Odometry& odometry);
   void processReady(const Observers& observers);
   void process(const FrameGate<std::pair<std::uint64_t, GrayPicture>>::Released& frame,
                const Observers& observers);
