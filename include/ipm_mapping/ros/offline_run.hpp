@@ -84,6 +84,7 @@ class OfflineRun {
 
   [[nodiscard]] const OccupancyMap& map() const { return map_; }
   [[nodiscard]] const RunReport& report() const { return report_; }
+  [[nodiscard]] const Detector& detector() const { return detector_; }
   /// Robot poses at the frames' stamps.
   [[nodiscard]] const std::vector<SE2>& trajectory() const { return trajectory_; }
 
