@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -13,7 +14,7 @@ namespace ipm_mapping {
 /// Why a frame left the gate without a pose.
 enum class GateDrop : std::uint8_t {
   Overflow,     ///< too many frames waited for odometry
-  NoOdometry,   ///< odometry did not reach the stamp within `wait`
+  NoOdometry,   ///< odometry stood still for `wait` and had not reached the stamp
   TooOld,       ///< odometry no longer reaches back to the stamp
   OdometryGap,  ///< odometry messages too far apart around the stamp
   OutOfOrder,   ///< stamp not newer than the frame before it
@@ -25,6 +26,10 @@ inline constexpr int gate_drop_count = 7;
 
 /// Holds frames until odometry has passed their stamps, then releases them in order with their
 /// pose. The same class serves live topics and bags, so both see the same frames.
+///
+/// `arrival` is when a message came in, seconds of any clock that the caller keeps to: messages of
+/// different topics may overtake one another, so stamps alone do not tell whether odometry is lost
+/// or only behind. Left out, it is the stamp.
 ///
 /// `Payload` is what the caller keeps of a frame (a message pointer).
 template <class Payload>
@@ -41,8 +46,13 @@ class FrameGate {
 
   /// Returns true when history in later stages has to be forgotten (clock or pose jumped).
   bool addOdometry(double stamp, const SE2& T_odom_base, OdometryVerdict* verdict = nullptr) {
+    return addOdometry(stamp, T_odom_base, stamp, verdict);
+  }
+  bool addOdometry(double stamp, const SE2& T_odom_base, double arrival,
+                   OdometryVerdict* verdict = nullptr) {
     const OdometryVerdict v = odometry_.add(stamp, T_odom_base);
     if (verdict) *verdict = v;
+    if (v == OdometryVerdict::Accepted || startsAnew(v)) last_progress_ = arrival;
     if (v == OdometryVerdict::TimeJump) {
       dropWaiting(GateDrop::ClockJump);
       last_stamp_ = -1e300;
@@ -52,6 +62,9 @@ class FrameGate {
 
   /// Returns true when the clock jumped back and history has to be forgotten.
   bool addFrame(double stamp, Payload payload) {
+    return addFrame(stamp, std::move(payload), stamp);
+  }
+  bool addFrame(double stamp, Payload payload, double arrival) {
     if (!std::isfinite(stamp)) {
       count(GateDrop::BadStamp);
       return false;
@@ -65,24 +78,28 @@ class FrameGate {
       // Odometry of before the jump must not serve frames of after it.
       if (odometry_.newest().value_or(stamp) - stamp > clock_jump_seconds) odometry_.clear();
       dropWaiting(GateDrop::ClockJump);
+      last_progress_ = -1e300;
       jumped = true;
     }
     last_stamp_ = stamp;
+    last_arrival_ = arrival;
     if (waiting_.size() == capacity_) {
       waiting_.pop_front();
       count(GateDrop::Overflow);
     }
-    waiting_.push_back({std::move(payload), stamp, {}});
+    waiting_.push_back({{std::move(payload), stamp, {}}, arrival});
     return jumped;
   }
 
-  /// Takes the next frame whose pose is known into `released`; false when none is ready.
-  bool next(Released& released) {
+  /// Takes the next frame whose pose is known into `released`; false when none is ready. `now`: of
+  /// the same clock as the arrivals; without it, when the newest frame came.
+  bool next(Released& released) { return next(released, last_arrival_); }
+  bool next(Released& released, double now) {
     while (!waiting_.empty()) {
       SE2 T_odom_base;
-      const PoseAnswer answer = odometry_.at(waiting_.front().stamp, T_odom_base);
-      if (answer == PoseAnswer::NotYet && !overdue()) return false;
-      released = std::move(waiting_.front());
+      const PoseAnswer answer = odometry_.at(waiting_.front().frame.stamp, T_odom_base);
+      if (answer == PoseAnswer::NotYet && !overdue(now)) return false;
+      released = std::move(waiting_.front().frame);
       waiting_.pop_front();
       released.T_odom_base = T_odom_base;
       if (answer == PoseAnswer::Known) return true;
@@ -105,9 +122,17 @@ class FrameGate {
  private:
   static constexpr double clock_jump_seconds = 1.0;
 
-  /// Odometry stands still while newer frames arrive.
-  [[nodiscard]] bool overdue() const {
-    return last_stamp_ - waiting_.front().stamp > parameters_.wait;
+  struct Waiting {
+    Released frame;
+    double arrival = 0.0;
+  };
+
+  /// Newer frames came, and odometry has brought nothing since long before `now`. While it makes
+  /// progress, only the capacity bounds the wait.
+  [[nodiscard]] bool overdue(double now) const {
+    const Waiting& first = waiting_.front();
+    return last_stamp_ - first.frame.stamp > parameters_.wait &&
+           now - std::max(first.arrival, last_progress_) > parameters_.wait;
   }
   void dropWaiting(GateDrop reason) {
     for (; !waiting_.empty(); waiting_.pop_front()) count(reason);
@@ -117,8 +142,8 @@ class FrameGate {
   OdometryParameters parameters_;
   std::size_t capacity_;
   OdometryBuffer odometry_;
-  std::deque<Released> waiting_;
-  double last_stamp_ = -1e300;
+  std::deque<Waiting> waiting_;
+  double last_stamp_ = -1e300, last_arrival_ = -1e300, last_progress_ = -1e300;
   std::array<std::uint64_t, gate_drop_count> drops_{};
 };
 

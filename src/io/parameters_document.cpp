@@ -80,7 +80,10 @@ std::string parametersMarkdown() {
     text += std::string("\n## ") + name + "\n\n" + table(group);
   });
   text += "\n## What the profiles change\n\n" + profileTable();
-  text += "\n## Nodelets that take camera images (`~NAME`)\n\n" + table(SourceParameters{});
+  text += "\n## Nodelets that start from camera images (`~NAME`)\n\n" + table(SourceParameters{});
+  text += "\n## Nodelets that take or draw on camera images (`~NAME`)\n\n" +
+          table(TransportParameters{});
+  text += "\n## Nodelets between two others (`~NAME`)\n\n" + table(StageParameters{});
   text += "\n## Mapper (`~NAME`)\n\n" + table(MapperParameters{});
   text += "\n## Comparison (`~NAME`)\n\n" + table(ComparisonParameters{});
   return text;

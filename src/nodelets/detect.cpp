@@ -3,6 +3,7 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "ipm_mapping/detectors/pipeline.hpp"
+#include "ipm_mapping/ros/detector_pictures.hpp"
 #include "ipm_mapping/ros/frame_source.hpp"
 #include "ipm_mapping/ros/live_parameters.hpp"
 #include "ipm_mapping/ros/obstacle_outputs.hpp"
@@ -28,6 +29,8 @@ class Detect : public StageNodelet {
     monitor().setAsleep(true);
     obstacle_outputs_.emplace(node(), outputs_, parameters.output);
     overlay_ = outputs_.advertiseImage(node(), "overlay");
+    difference_ = outputs_.advertiseImage(node(), "difference_image");
+    score_ = outputs_.advertiseImage(node(), "score_image");
     live_.emplace(privateNode(), parameters, liveGroups(),
                   [this](const Parameters& changed) { change(changed); });
   }
@@ -63,10 +66,19 @@ class Detect : public StageNodelet {
     if (status == FrameStatus::Used) {
       obstacle_outputs_->publish(obstacles_, info.header.stamp, info.frames, detector_->id());
       publishOverlay(overlay_, frame.image, obstacles_, info.header);
+      publishPictures(info.header);
     }
     monitor().set("contacts", static_cast<double>(obstacles_.contacts.size()));
     monitor().set("separability", obstacles_.separability);
     return status;
+  }
+
+  void publishPictures(const std_msgs::Header& header) {
+    if (difference_.getNumSubscribers() > 0 && differencePicture(*detector_, picture_))
+      publishPicture(difference_, picture_.view(), header);
+    if (score_.getNumSubscribers() > 0 &&
+        scorePicture(*detector_, parameters_.sweep.selection.score_cap, picture_))
+      publishPicture(score_, picture_.view(), header);
   }
 
   Parameters parameters_;
@@ -76,7 +88,8 @@ class Detect : public StageNodelet {
   LazyOutputs outputs_{[this](bool awake) { setAwake(awake); }};
   std::optional<ObstacleOutputs> obstacle_outputs_;
   std::optional<LiveParameters> live_;
-  image_transport::Publisher overlay_;
+  image_transport::Publisher overlay_, difference_, score_;
+  Image<std::uint8_t> picture_;
 };
 
 }  // namespace ipm_mapping

@@ -126,10 +126,12 @@ void BagSource::read(const Handlers& handlers) const {
   for (const rosbag::MessageInstance& message : view) {
     if (handlers.done && handlers.done()) return;
     if (message.getTopic() == topics_.image) {
-      handlers.image(imageOf(message));
+      Image image = imageOf(message);
+      image.arrival = message.getTime().toSec();
+      handlers.image(image);
       if (handlers.progress) handlers.progress(done / total);
     } else if (const auto odometry = message.instantiate<nav_msgs::Odometry>()) {
-      handlers.odometry(odometry->header.stamp.toSec(), *odometry);
+      handlers.odometry(odometry->header.stamp.toSec(), message.getTime().toSec(), *odometry);
     }
     done += 1.0;
   }

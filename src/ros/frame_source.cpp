@@ -84,7 +84,7 @@ void FrameSource::onImage(const CameraMessage& message) {
   monitor_.received();
   optical_frame_ = withoutSlash(message.header().frame_id);
   newest_image_ = message.header().stamp.toSec() + camera_parameters_.image_time_offset;
-  if (gate_.addFrame(newest_image_, {next_index_++, message})) {
+  if (gate_.addFrame(newest_image_, {next_index_++, message}, now())) {
     waiting_since_.reset();
     restart("clock of the images was set back");
   }
@@ -93,7 +93,7 @@ void FrameSource::onImage(const CameraMessage& message) {
 
 void FrameSource::onOdometry(double stamp, const SE2& T_odom_base) {
   OdometryVerdict verdict = OdometryVerdict::Accepted;
-  const bool anew = gate_.addOdometry(stamp, T_odom_base, &verdict);
+  const bool anew = gate_.addOdometry(stamp, T_odom_base, now(), &verdict);
   if (verdict != OdometryVerdict::Accepted)
     monitor_.count(std::string("odometry_") + name(verdict));
   if (verdict == OdometryVerdict::NotFinite) monitor_.warn("odometry is not finite");
@@ -123,12 +123,14 @@ bool FrameSource::cameraKnown() {
   return false;
 }
 
+double FrameSource::now() { return waiting_clock_.look(ros::SteadyTime::now().toSec()); }
+
 void FrameSource::pump() {
   // Frames wait for a camera that may still become known; afterwards they are released to be
   // counted as lost.
   const bool release = cameraKnown() || !patient();
   Gate::Released frame;
-  while (release && gate_.next(frame)) process(frame);
+  while (release && gate_.next(frame, now())) process(frame);
   reportGate();
   if (const auto newest = gate_.odometry().newest())
     monitor_.set("odometry_behind_images_s", newest_image_ - *newest);

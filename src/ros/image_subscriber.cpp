@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "ipm_mapping/parameters/node_parameters.hpp"
+#include "ipm_mapping/ros/parameter_loader.hpp"
+
 namespace ipm_mapping {
 
 ImageSubscriber::ImageSubscriber(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
@@ -10,7 +13,7 @@ ImageSubscriber::ImageSubscriber(const ros::NodeHandle& node, const ros::NodeHan
     : node_(node),
       private_node_(private_node),
       base_(node.resolveName(topic)),
-      transport_(private_node.param<std::string>("image_transport", "raw")),
+      transport_(loadStruct<TransportParameters>(private_node).image_transport),
       topic_(transport_ == "raw" ? base_ : base_ + "/" + transport_),
       queue_(static_cast<std::uint32_t>(queue)),
       handler_(std::move(handler)),

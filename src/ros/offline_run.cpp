@@ -119,12 +119,12 @@ void OfflineRun::addImage(const BagSource::Image& image) {
     return;
   }
   const double stamp = image.stamp + parameters_.camera.image_time_offset;
-  if (gate_.addFrame(stamp, {index, *image.picture})) restart();
+  if (gate_.addFrame(stamp, {index, *image.picture}, image.arrival)) restart();
 }
 
-void OfflineRun::addOdometry(double stamp, const nav_msgs::Odometry& odometry) {
+void OfflineRun::addOdometry(double stamp, double arrival, const nav_msgs::Odometry& odometry) {
   OdometryVerdict verdict = OdometryVerdict::Accepted;
-  if (gate_.addOdometry(stamp, toSE2(odometry.pose.pose), &verdict)) restart();
+  if (gate_.addOdometry(stamp, toSE2(odometry.pose.pose), arrival, &verdict)) restart();
   ++report_.odometry[name(verdict)];
 }
 
@@ -159,8 +159,8 @@ void OfflineRun::run(const Observers& observers) {
                addImage(image);
                processReady(observers);
              },
-             [&](double stamp, const nav_msgs::Odometry& odometry) {
-               addOdometry(stamp, odometry);
+             [&](double stamp, double arrival, const nav_msgs::Odometry& odometry) {
+               addOdometry(stamp, arrival, odometry);
                processReady(observers);
              },
              observers.progress, [this] { return ended_; }});

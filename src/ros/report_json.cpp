@@ -47,6 +47,27 @@ Json cameraJson(const RunCamera& camera) {
           {"pitch_rad", pitchOf(camera.T_base_camera)}};
 }
 
+Json fpgaJson(const FpgaStatistics::Summary& s, double pixel_clock) {
+  Json overflow = Json::object();
+  for (std::size_t i = 0; i < fpga::wire_count; ++i) overflow[fpga::wire_names[i]] = s.overflow[i];
+  return {
+      {"frames", s.frames},
+      {"fifo_words", s.points},
+      {"homography_error_px",
+       {{"median", s.median_homography_error}, {"worst", s.worst_homography_error}}},
+      {"focus_clamped_frames", s.focus_clamped},
+      {"overflow", overflow},
+      {"pixel_clock_hz", pixel_clock},
+      {"cycles",
+       {{"to_first_contact", s.first_contact},
+        {"of_frame", s.frame},
+        {"after_last_pixel_slowest", s.after_last_pixel}}},
+      {"frame_rate_hz", s.frame_rate},
+      {"to_map_slowest_s", s.slowest_to_map},
+      {"map_rate_slowest_hz",
+       {{"in_series", s.slowest_map_rate_in_series}, {"pipelined", s.slowest_map_rate_pipelined}}}};
+}
+
 template <class T>
 Json valueJson(const T& value) {
   if constexpr (std::is_enum_v<T>)
@@ -68,12 +89,13 @@ Json parametersJson(const Parameters& parameters) {
 }  // namespace
 
 std::string reportJson(const OfflineRun& run, const BagSource& bag, const RunCamera& camera,
-                       const OfflineOptions& options, const std::string& profile) {
+                       const OfflineOptions& options, const std::string& profile,
+                       const FpgaStatistics* fpga) {
   const RunReport& report = run.report();
   const MapGeometry& map = run.map().geometry();
   const double per_frame =
       report.used() > 0 ? report.processing_seconds / static_cast<double>(report.used()) : 0.0;
-  const Json json = {
+  Json json = {
       {"bag", options.bag},
       {"profile", profile},
       {"topics",
@@ -91,6 +113,8 @@ std::string reportJson(const OfflineRun& run, const BagSource& bag, const RunCam
       {"wall_seconds", report.wall_seconds},
       {"camera", cameraJson(camera)},
       {"parameters", parametersJson(options.parameters)}};
+  if (fpga != nullptr)
+    json["fpga"] = fpgaJson(fpga->summary(), options.parameters.fpga_clock.pixel_clock);
   return json.dump(2) + "\n";
 }
 

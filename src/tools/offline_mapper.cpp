@@ -11,6 +11,8 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "ipm_mapping/detectors/fpga_statistics.hpp"
+#include "ipm_mapping/fpga/fifo.hpp"
 #include "ipm_mapping/io/run_files.hpp"
 #include "ipm_mapping/mapping/map_io.hpp"
 #include "ipm_mapping/ros/bag_arguments.hpp"
@@ -138,6 +140,37 @@ void writeMap(const OfflineRun& run, const Arguments& a) {
   writePicture(a.out + "/map.png", drawMap(map, {title, run.trajectory(), readTruth(a.truth)}));
 }
 
+/// What only the FPGA model leaves: its FIFO's words (fifo.bin) and a part of the report.
+class FpgaFiles {
+ public:
+  FpgaFiles(const Arguments& a, const Detector& detector)
+      : model_(dynamic_cast<const FpgaDetector*>(&detector)),
+        statistics_(a.options.parameters.fpga_clock),
+        path_(a.out + "/fifo.bin") {
+    if (model_ != nullptr) fifo_.open(path_, std::ios::binary);
+  }
+  /// After every used frame.
+  void add() {
+    if (model_ == nullptr) return;
+    statistics_.add(*model_);
+    fpga::writeFifo(fifo_, model_->results().selected);
+  }
+  void finish() {
+    if (model_ == nullptr) return;
+    fifo_.close();
+    if (!fifo_) throw std::runtime_error("cannot write '" + path_ + "'");
+  }
+  [[nodiscard]] const FpgaStatistics* statistics() const {
+    return model_ == nullptr ? nullptr : &statistics_;
+  }
+
+ private:
+  const FpgaDetector* model_;
+  FpgaStatistics statistics_;
+  std::string path_;
+  std::ofstream fifo_;
+};
+
 void runOn(Arguments& a) {
   const BagSource bag(a.options.bag, a.options.topics);
   const RunCamera camera = resolveCamera(bag, a.options);
@@ -145,18 +178,22 @@ void runOn(Arguments& a) {
   RunFiles files(a.out);
   OfflineRun run(bag, camera, a.options.parameters);
   OverlayFrame overlay;
+  FpgaFiles fpga_files(a, run.detector());
   OfflineRun::Observers observers;
   observers.used = [&](const Obstacles& obstacles, GrayView raw) {
     files.add(obstacles);
+    fpga_files.add();
     overlay.offer(obstacles, raw);
   };
   observers.progress = showProgress;
   run.run(observers);
   requireImages(run.report());
   files.finish();
+  fpga_files.finish();
   writeMap(run, a);
   overlay.write(a.out + "/overlay.png");
-  writeText(a.out + "/report.json", reportJson(run, bag, camera, a.options, a.profile));
+  writeText(a.out + "/report.json",
+            reportJson(run, bag, camera, a.options, a.profile, fpga_files.statistics()));
   summarize(run, a.out);
 }
 

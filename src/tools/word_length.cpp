@@ -10,26 +10,18 @@
 #include "ipm_mapping/detectors/fpga_detector.hpp"
 #include "ipm_mapping/detectors/word_length_study.hpp"
 #include "ipm_mapping/io/atomic_file.hpp"
-#include "ipm_mapping/io/parameters_yaml.hpp"
+#include "ipm_mapping/ros/bag_arguments.hpp"
 #include "ipm_mapping/ros/offline_run.hpp"
-#include "ipm_mapping/ros/poses.hpp"
 
 namespace {
 
 using namespace ipm_mapping;
 
-constexpr int exit_usage = 2;
-constexpr int exit_input = 3;
-
-struct Arguments {
-  OfflineOptions options;
+struct Arguments : BagArguments {
   std::string out;
-  std::string profile = "default";
   std::string wire = "homography_linear";
   std::string bits = "4..16";
   std::size_t pairs = 8;
-  std::vector<std::string> settings;
-  std::vector<double> camera_pose;
   int first = 0, last = 0;
 };
 
@@ -40,24 +32,14 @@ std::string wireNames() {
   return names;
 }
 
-void declare(CLI::App& app, Arguments& a) {
+void declareAll(CLI::App& app, Arguments& a) {
   app.add_option("bag", a.options.bag, "recording with images and odometry")->required();
   app.add_option("--wire", a.wire, wireNames());
   app.add_option("--bits", a.bits, "fraction bits to try: A..B, or one number");
   app.add_option("--pairs", a.pairs, "frame pairs, spread over the bag: so many to twice as many")
       ->check(CLI::Range(1, 1000));
   app.add_option("--out", a.out, "folder for the tables (made if missing)")->required();
-  app.add_option("--profile", a.profile, "default, paper, or a YAML file");
-  app.add_option("--set", a.settings, "one parameter: GROUP/NAME=VALUE; may be repeated");
-  app.add_option("--image-topic", a.options.topics.image, "default: found by name and type");
-  app.add_option("--camera-info-topic", a.options.topics.camera_info, "default: beside the images");
-  app.add_option("--odom-topic", a.options.topics.odometry, "default: found by name and type");
-  app.add_option("--camera-info", a.options.calibration_file,
-                 "calibration as YAML, instead of the bag's");
-  app.add_option("--camera-pose", a.camera_pose,
-                 "x,y,z,pitch of the camera on the robot (m, rad), instead of tf's")
-      ->delimiter(',')
-      ->expected(4);
+  a.declare(app);
 }
 
 void readBits(Arguments& a) {
@@ -73,21 +55,11 @@ void readBits(Arguments& a) {
                          ": 0 <= A <= B <= " + std::to_string(fpga::WordLengths::longest));
 }
 
-void settle(Arguments& a) {
-  readBits(a);
+void settleAll(Arguments& a) {
   if (!fpga::exploredWire(a.wire))
     throw ParameterError("--wire " + a.wire + " is not known; there are: " + wireNames());
-  a.options.parameters = profileOrFile(a.profile);
-  for (const std::string& setting : a.settings) {
-    const auto equals = setting.find('=');
-    if (equals == std::string::npos)
-      throw ParameterError("--set " + setting + ": write GROUP/NAME=VALUE");
-    a.options.parameters.set(setting.substr(0, equals), setting.substr(equals + 1));
-  }
-  a.options.parameters.validate();
-  if (!a.camera_pose.empty())
-    a.options.camera_pose = {a.camera_pose[0], a.camera_pose[1], a.camera_pose[2],
-                             a.camera_pose[3]};
+  readBits(a);
+  a.settle();
 }
 
 /// A frame pair that owns its pictures.
@@ -136,68 +108,31 @@ class SpreadPairs {
   std::vector<OwnedPair> pairs_;
 };
 
-/// Runs the model over the bag, as the hardware would see it, and keeps some of its frame pairs.
-class PairReader {
- public:
-  explicit PairReader(const Arguments& a)
-      : a_(a),
-        detector_(a.options.parameters),
-        gate_(a.options.parameters.odometry),
-        kept_(a.pairs) {}
-
-  const std::vector<OwnedPair>& read() {
-    const BagSource bag(a_.options.bag, a_.options.topics);
-    const RunCamera camera = resolveCamera(bag, a_.options);
-    detector_.setCamera(camera.model, camera.T_base_camera);
-    if (detector_.cameraError()) throw BagError(*detector_.cameraError());
-    bag.read({[this](const BagSource::Image& image) { addImage(image); },
-              [this](double stamp, const nav_msgs::Odometry& odometry) {
-                if (gate_.addOdometry(stamp, toSE2(odometry.pose.pose))) detector_.reset();
-                processReady();
-              },
-              [](double) {}});
-    if (kept_.pairs().empty()) throw BagError("no frame of the bag could be used");
-    return kept_.pairs();
-  }
-
- private:
-  using Payload = std::pair<std::uint64_t, GrayPicture>;
-
-  void addImage(const BagSource::Image& image) {
-    const std::uint64_t index = next_index_++;
-    if (!image.picture) return;
-    const double stamp = image.stamp + a_.options.parameters.camera.image_time_offset;
-    if (gate_.addFrame(stamp, {index, *image.picture})) detector_.reset();
-    processReady();
-  }
-
-  void processReady() {
-    FrameGate<Payload>::Released frame;
-    while (gate_.next(frame)) {
-      const auto& [index, picture] = frame.payload;
-      const Frame input{index, frame.stamp, picture.view, frame.T_odom_base};
-      if (detector_.process(input, obstacles_) == FrameStatus::Used)
-        kept_.offer(detector_, obstacles_, picture.view);
-    }
-  }
-
-  const Arguments& a_;
-  FpgaDetector detector_;
-  FrameGate<Payload> gate_;
-  SpreadPairs kept_;
-  Obstacles obstacles_;
-  std::uint64_t next_index_ = 0;
-};
+/// Frame pairs of the bag as the model meets them, with their history and threshold register.
+std::vector<OwnedPair> readPairs(const Arguments& a) {
+  const BagSource bag(a.options.bag, a.options.topics);
+  const RunCamera camera = resolveCamera(bag, a.options);
+  FpgaDetector detector(a.options.parameters);
+  OfflineRun run(bag, camera, a.options.parameters, detector);
+  if (detector.cameraError()) throw BagError(*detector.cameraError());
+  SpreadPairs kept(a.pairs);
+  OfflineRun::Observers observers;
+  observers.used = [&](const Obstacles& obstacles, GrayView raw) {
+    kept.offer(detector, obstacles, raw);
+  };
+  run.run(observers);
+  if (kept.pairs().empty()) throw BagError("no frame of the bag could be used");
+  return kept.pairs();
+}
 
 void write(const std::string& path, const std::string& text) {
   if (const auto error = writeFileAtomically(path, text)) throw std::runtime_error(*error);
 }
 
 void explore(const Arguments& a) {
-  PairReader reader(a);
   WordLengthStudy study(a.options.parameters, *fpga::exploredWire(a.wire), a.first, a.last);
   std::filesystem::create_directories(a.out);
-  for (const OwnedPair& pair : reader.read()) {
+  for (const OwnedPair& pair : readPairs(a)) {
     const auto results = study.add(pair.input());
     write(a.out + "/" + a.wire + "_frame_" + std::to_string(pair.frame) + ".csv",
           fpga::wordLengthCsv(study.wire(), results));
@@ -212,22 +147,7 @@ void explore(const Arguments& a) {
 int main(int argc, char** argv) {
   CLI::App app{"Tries other fraction bits on one wire of the FPGA model"};
   Arguments arguments;
-  declare(app, arguments);
-  try {
-    app.parse(argc, argv);
-    settle(arguments);
-  } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error);
-    return code == 0 ? 0 : exit_usage;
-  } catch (const ParameterError& error) {
-    std::cerr << "word_length: " << error.what() << '\n';
-    return exit_usage;
-  }
-  try {
-    explore(arguments);
-  } catch (const std::exception& error) {
-    std::cerr << "word_length: " << error.what() << '\n';
-    return exit_input;
-  }
-  return 0;
+  declareAll(app, arguments);
+  return runTool(
+      app, "word_length", argc, argv, [&] { settleAll(arguments); }, [&] { explore(arguments); });
 }

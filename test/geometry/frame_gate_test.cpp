@@ -89,6 +89,65 @@ TEST(FrameGate, GivesUpOnOdometryThatLagsTooFar) {
   EXPECT_EQ(gate.waiting(), 2U);
 }
 
+TEST(FrameGate, WaitsForOdometryThatArrivesAfterManyImages) {
+  Gate gate;  // waits one second
+  gate.addOdometry(9.98, {}, 500.0);
+  for (int i = 0; i < 30; ++i) {
+    gate.addFrame(10.0 + 0.1 * i, i, 500.0 + 0.001 * i);
+    EXPECT_TRUE(takeAll(gate).empty());
+  }
+  std::vector<int> taken;
+  for (int k = 0; k <= 150; ++k) {
+    gate.addOdometry(10.0 + 0.02 * k, {0.02 * k, 0.0, 0.0}, 500.03);
+    for (const int frame : takeAll(gate)) taken.push_back(frame);
+  }
+  EXPECT_EQ(taken.size(), 30U);
+  EXPECT_EQ(gate.dropped(GateDrop::NoOdometry), 0U);
+}
+
+TEST(FrameGate, WaitsWhileOdometryMakesProgressAndGivesUpWhenItStops) {
+  OdometryParameters parameters;
+  parameters.wait = 0.95;
+  Gate gate(parameters, 100);
+  Gate::Released released;
+  // Odometry lags by two seconds, twice what it may stand still.
+  int taken = 0;
+  for (int i = 0; i < 50; ++i) {
+    const double t = 0.1 * i;
+    gate.addFrame(10.0 + t, i, t);
+    gate.addOdometry(8.05 + t, {}, t);
+    while (gate.next(released, t)) ++taken;
+  }
+  EXPECT_EQ(taken, 30);
+  EXPECT_EQ(gate.dropped(GateDrop::NoOdometry), 0U);
+  EXPECT_FALSE(gate.next(released, 5.8));
+  EXPECT_EQ(gate.dropped(GateDrop::NoOdometry), 0U) << "it stood still for 0.9 s";
+  EXPECT_FALSE(gate.next(released, 6.0));
+  EXPECT_EQ(gate.dropped(GateDrop::NoOdometry), 10U) << "those so much older than the newest";
+  EXPECT_EQ(gate.waiting(), 10U);
+}
+
+TEST(FrameGate, GivesUpOnOdometryThatRepeatsItself) {
+  Gate gate;
+  Gate::Released released;
+  gate.addFrame(10.0, 0, 0.0);
+  gate.addFrame(11.5, 1, 0.0);
+  for (int i = 0; i < 20; ++i) {
+    gate.addOdometry(9.0, {}, 0.1 * i);
+    EXPECT_FALSE(gate.next(released, 0.1 * i));
+  }
+  EXPECT_EQ(gate.dropped(GateDrop::NoOdometry), 1U);
+}
+
+TEST(FrameGate, GivesUpAfterTheClockWasSetBackToo) {
+  Gate gate;
+  drive(gate, 100.0, 101.0);
+  EXPECT_TRUE((gate.addFrame(100.5, 0), gate.addFrame(50.0, 1)));
+  gate.addFrame(51.5, 2);
+  EXPECT_TRUE(takeAll(gate).empty());
+  EXPECT_EQ(gate.dropped(GateDrop::NoOdometry), 1U);
+}
+
 TEST(FrameGate, CountsFramesThatOdometryCannotPlace) {
   Gate gate;
   gate.addFrame(9.0, 0);

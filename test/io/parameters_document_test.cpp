@@ -4,6 +4,8 @@
 
 #include "ipm_mapping/io/atomic_file.hpp"
 #include "ipm_mapping/io/parameters_yaml.hpp"
+#include "ipm_mapping/parameters/comparison_parameters.hpp"
+#include "ipm_mapping/parameters/node_parameters.hpp"
 #include "ipm_mapping/parameters/visitors.hpp"
 
 namespace ipm_mapping {
@@ -41,6 +43,26 @@ TEST(ParametersDocument, HasARowForEveryParameter) {
           << name << "/" << field.name;
     });
   });
+}
+
+template <class Struct>
+void expectRows(const std::string& section) {
+  describeFields(Struct{}, [&](const FieldText& field) {
+    EXPECT_NE(section.find("\n| `" + field.name + "` | " + field.type + " | "), std::string::npos)
+        << field.name;
+  });
+}
+
+TEST(ParametersDocument, HasARowForWhatStandsDirectlyInTheNodeletsNamespace) {
+  const std::string text = parametersMarkdown();
+  const std::size_t begin = text.find("\n## Nodelets that start");
+  ASSERT_NE(begin, std::string::npos);
+  const std::string section = text.substr(begin);
+  expectRows<SourceParameters>(section);
+  expectRows<TransportParameters>(section);
+  expectRows<StageParameters>(section);
+  expectRows<MapperParameters>(section);
+  expectRows<ComparisonParameters>(section);
 }
 
 TEST(ParametersDocument, TablesAreNotBrokenByBarsInTheText) {

@@ -1,5 +1,6 @@
-// The chain as launch/chain.launch starts it, seen from outside: the same answers and the same map
-// as the classes give in one piece, and topics that follow the rules of their consumers.
+// The chain, of either architecture, as launch/chain.launch starts it, seen from outside: the same
+// answers and the same map as the classes give in one piece, and topics that follow the rules of
+// their consumers.
 
 #include <gtest/gtest.h>
 #include <ipm_mapping/SaveMap.h>
@@ -27,8 +28,10 @@ struct Reference {
   std::unique_ptr<OccupancyMap> map;
 
   explicit Reference(const SyntheticRobot& robot) {
-    Parameters parameters;
-    parameters.map.hit = 3.0;  // as in the .test file
+    Parameters parameters =
+        Parameters::profile(ros::param::param<std::string>("~profile", "default"));
+    parameters.map.hit = 3.0;  // these two as in the .test file
+    parameters.map.update = MapUpdate::LogOdds;
     ChainDetector detector(parameters);
     detector.setCamera(CameraModel(robot.intrinsics(), {}),
                        tf2::transformToEigen(robot.cameraTransform()));

@@ -65,8 +65,10 @@ struct OdometryParameters {
     field("max_gap", self.max_gap, Unit{"s"}, Range{0.001, 10.0},
           "no pose is interpolated between messages farther apart");
     field("buffer", self.buffer, Unit{"s"}, Range{0.1, 600.0}, "how long poses are kept");
-    field("wait", self.wait, Unit{"s"}, Range{0.0, 60.0},
-          "how far odometry may lag behind a frame before the frame is dropped");
+    field(
+        "wait", self.wait, Unit{"s"}, Range{0.0, 60.0},
+        "a frame is dropped when frames this much newer came and odometry, which does not reach it "
+        "yet, stood still this long");
   }
 };
 

@@ -37,6 +37,17 @@ struct SourceParameters {
   }
 };
 
+/// How camera images come: whoever subscribes to image_raw, be it only for the overlay.
+struct TransportParameters {
+  std::string image_transport = "raw";
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& field) {
+    field("image_transport", self.image_transport,
+          "raw, compressed, or another image_transport plugin that is installed");
+  }
+};
+
 /// Links between nodelets.
 struct StageParameters {
   int queue = 32;

@@ -34,15 +34,16 @@ class BagSource {
   BagSource(const std::string& path, const BagTopics& wanted);
 
   struct Image {
-    double stamp = 0.0;  ///< of the header, seconds
+    double stamp = 0.0;    ///< of the header, seconds
+    double arrival = 0.0;  ///< when it was recorded, seconds
     std::optional<GrayPicture> picture;
     std::string refusal;  ///< why there is no picture
   };
   struct Handlers {
     std::function<void(const Image&)> image;
-    std::function<void(double stamp, const nav_msgs::Odometry&)> odometry;
+    std::function<void(double stamp, double arrival, const nav_msgs::Odometry&)> odometry;
     std::function<void(double share)> progress;  ///< 0..1
-    std::function<bool()> done;                  ///< true ends the reading early
+    std::function<bool()> done = {};             ///< true ends the reading early
   };
   void read(const Handlers& handlers) const;
 

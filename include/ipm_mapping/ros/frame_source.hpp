@@ -15,6 +15,7 @@
 #include "ipm_mapping/ros/image_subscriber.hpp"
 #include "ipm_mapping/ros/odometry_source.hpp"
 #include "ipm_mapping/ros/stage_monitor.hpp"
+#include "ipm_mapping/ros/waiting_clock.hpp"
 
 namespace ipm_mapping {
 
@@ -57,6 +58,7 @@ class FrameSource {
   void onImage(const CameraMessage& message);
   void onOdometry(double stamp, const SE2& T_odom_base);
   void pump();
+  double now();
   bool cameraKnown();
   [[nodiscard]] bool patient() const;
   void process(const Gate::Released& frame);
@@ -83,6 +85,7 @@ class FrameSource {
   };
   std::optional<FirstWaiting> waiting_since_;
   ros::WallTimer pumper_;
+  WaitingClock waiting_clock_;
   double newest_image_ = 0.0;
   int camera_revision_ = 0;
   std::uint64_t next_index_ = 0;

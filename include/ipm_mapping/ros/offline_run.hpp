@@ -84,12 +84,13 @@ class OfflineRun {
 
   [[nodiscard]] const OccupancyMap& map() const { return map_; }
   [[nodiscard]] const RunReport& report() const { return report_; }
+  [[nodiscard]] const Detector& detector() const { return detector_; }
   /// Robot poses at the frames' stamps.
   [[nodiscard]] const std::vector<SE2>& trajectory() const { return trajectory_; }
 
  private:
   void addImage(const BagSource::Image& image);
-  void addOdometry(double stamp, const nav_msgs::Odometry& odometry);
+  void addOdometry(double stamp, double arrival, const nav_msgs::Odometry& odometry);
   void processReady(const Observers& observers);
   void process(const FrameGate<std::pair<std::uint64_t, GrayPicture>>::Released& frame,
                const Observers& observers);

@@ -1,0 +1,115 @@
+// Where a frame's pose comes from: the topic or tf, at the image's stamp moved by
+// image_time_offset, however late odometry arrives behind the images.
+
+#include <gtest/gtest.h>
+
+#include "chain_client.hpp"
+
+namespace ipm_mapping {
+namespace {
+
+constexpr double offset = 0.05;  // image_time_offset in the .test file
+
+class Sources : public testing::Test {
+ protected:
+  Sources()
+      : diagnostics_(node_),
+        by_topic_(node_, "/by_topic/obstacles"),
+        by_tf_(node_, "/by_tf/obstacles"),
+        tf_(node_.advertise<tf2_msgs::TFMessage>("/tf", 1000)),
+        topics_(node_) {}
+
+  void SetUp() override {
+    // Every test has its own stretch of time: nothing of the one before reaches into it.
+    static double shift = 0.0;
+    topics_.time_shift = shift += 1000.0;
+    topics_.tellTf();
+    ASSERT_TRUE(topics_.waitForListeners());
+    ASSERT_TRUE(waitFor([&] { return topics_.listeners() >= 2 && tf_.getNumSubscribers() >= 1; }));
+    ASSERT_TRUE(waitFor([&] { return diagnostics_.value("ipm", "input_rate_hz") >= 0.0; }));
+  }
+
+  /// The picture of the instant t, its stamp `offset` too early.
+  [[nodiscard]] sensor_msgs::ImagePtr imageOf(double t) const {
+    return topics_.robot.image(topics_.stamp(t) - offset, topics_.robot.pose(t));
+  }
+  void sendTransform(double t) {
+    const SE2 pose = topics_.robot.pose(t);
+    geometry_msgs::TransformStamped transform;
+    transform.header.stamp.fromSec(topics_.stamp(t));
+    transform.header.frame_id = topics_.robot.odom_frame;
+    transform.child_frame_id = topics_.robot.base_frame;
+    transform.transform.translation.x = pose.x;
+    transform.transform.translation.y = pose.y;
+    transform.transform.rotation.z = std::sin(0.5 * pose.theta);
+    transform.transform.rotation.w = std::cos(0.5 * pose.theta);
+    tf2_msgs::TFMessage message;
+    message.transforms.push_back(transform);
+    tf_.publish(message);
+  }
+  /// Images between the odometry messages, so that poses have to be interpolated.
+  [[nodiscard]] double frameTime(int i) const { return topics_.robot.frameTime(i) + 0.007; }
+
+  /// Every answer carries the instant at which its picture was taken, and the robot's pose of then.
+  void expectTruePoses(const Collected<ObstacleArray>& answers) {
+    for (const auto& answer : answers.all) {
+      const double t = frameTime(static_cast<int>(answer->frame));
+      EXPECT_NEAR(answer->header.stamp.toSec(), topics_.stamp(t), 1e-6);
+      const SE2 pose = topics_.robot.pose(t);
+      EXPECT_NEAR(answer->view.pose.x, pose.x, 2e-4) << "frame " << answer->frame;
+      EXPECT_NEAR(answer->view.pose.y, pose.y, 2e-4);
+      EXPECT_NEAR(answer->view.pose.theta, pose.theta, 2e-4);
+    }
+  }
+
+  ros::NodeHandle node_;
+  Diagnostics diagnostics_;
+  Collected<ObstacleArray> by_topic_, by_tf_;
+  ros::Publisher tf_;
+  RobotTopics topics_;
+};
+
+TEST_F(Sources, PosesFromTopicAndTfAreThoseOfTheMovedStamps) {
+  const int frames = topics_.robot.frames;
+  for (int i = 0; i < frames; ++i) {
+    topics_.sendInfo(frameTime(i));
+    topics_.sendImage(imageOf(frameTime(i)));
+    for (int k = 5 * i; k < 5 * (i + 1); ++k) {
+      topics_.sendOdometry(topics_.robot.odometryTime(k));
+      sendTransform(topics_.robot.odometryTime(k));
+    }
+    waitFor([] { return false; }, 0.05);
+  }
+  topics_.sendOdometry(topics_.robot.frameTime(frames));
+  sendTransform(topics_.robot.frameTime(frames));
+  EXPECT_TRUE(waitFor([&] { return by_topic_.size() >= 10 && by_tf_.size() >= 10; }))
+      << by_topic_.size() << " answers by the topic, " << by_tf_.size() << " by tf";
+  expectTruePoses(by_topic_);
+  expectTruePoses(by_tf_);
+}
+
+TEST_F(Sources, FramesOutliveOdometryThatArrivesAfterAllOfThem) {
+  const double before = std::max(0.0, diagnostics_.value("ipm", "dropped_no_odometry"));
+  const double used = std::max(0.0, diagnostics_.value("ipm", "used"));
+  constexpr int frames = 40;  // four seconds: longer than odometry may stand still
+  const auto received = diagnostics_.value("ipm", "received");
+  std::vector<sensor_msgs::ImagePtr> images;
+  for (int i = 0; i < frames; ++i) images.push_back(imageOf(frameTime(i)));
+  topics_.sendInfo(0.0);
+  for (const auto& image : images) topics_.sendImage(image);
+  waitFor([] { return false; }, 0.2);
+  for (int k = 0; k <= 5 * frames; ++k) topics_.sendOdometry(topics_.robot.odometryTime(k));
+  EXPECT_TRUE(diagnostics_.waitFor("ipm", "received", received + frames));
+  EXPECT_TRUE(waitFor([&] { return diagnostics_.value("ipm", "used") >= used + 10; }));
+  EXPECT_EQ(std::max(0.0, diagnostics_.value("ipm", "dropped_no_odometry")), before);
+}
+
+}  // namespace
+}  // namespace ipm_mapping
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "sources_rostest");
+  const ros::NodeHandle keep_alive;
+  return RUN_ALL_TESTS();
+}
