@@ -54,6 +54,7 @@ void SweepDetector::setCamera(const CameraModel& camera, const CameraPose& T_bas
 
 void SweepDetector::reset() {
   ring_.clear();
+  refinement_.forgetFloor();
   seen_any_ = false;
 }
 

@@ -21,7 +21,7 @@
 namespace ipm_mapping {
 
 /// Spins until `done`; false when it took longer than `seconds` of wall time.
-inline bool waitFor(const std::function<bool()>& done, double seconds = 30.0) {
+inline bool waitFor(const std::function<bool()>& done, double seconds = 60.0) {
   const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(seconds);
   while (ros::ok() && !done()) {
     if (ros::WallTime::now() > end) return false;
