@@ -136,6 +136,28 @@ TEST(SweepDetector, SaysWhyThereIsNoAnswer) {
   EXPECT_EQ(drive.at({0.6, 0, 0}), FrameStatus::NoReference);
 }
 
+TEST(SweepDetector, AfterAResetItAnswersAsANewOne) {
+  const auto scores = [](const Drive& drive) {
+    std::vector<float> all;
+    for (const Contact& c : drive.obstacles.contacts) {
+      all.push_back(c.p_base.x());
+      all.push_back(c.p_base.y());
+      all.push_back(c.score);
+    }
+    for (const Bearing& b : drive.obstacles.bearings) all.push_back(b.range);
+    return all;
+  };
+  Drive used, fresh;
+  used.scene.boxes = {{0.95, 1.2, -0.5, 0.5, 0.4}};
+  ASSERT_EQ(used.along(0.0, 0.4, 4), FrameStatus::Used);
+  ASSERT_FALSE(used.obstacles.contacts.empty());
+  used.detector.reset();
+  for (Drive* drive : {&used, &fresh}) drive->scene.boxes = {{1.25, 1.5, -0.2, 0.25, 0.4}};
+  ASSERT_EQ(used.along(0.0, 0.4, 2), FrameStatus::Used);
+  ASSERT_EQ(fresh.along(0.0, 0.4, 2), FrameStatus::Used);
+  EXPECT_EQ(scores(used), scores(fresh));
+}
+
 TEST(SweepDetector, RefusesImagesOfAnotherSizeAndAMissingCamera) {
   SweepDetector detector;
   Obstacles obstacles;
