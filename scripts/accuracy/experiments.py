@@ -109,8 +109,8 @@ class Bench:
         _do_once(words, self.render_files + scenes, base + ".stamp")
         return base + ".bag", base + ".truth.json"
 
-    def figures(self, case, detector, settings=()):
-        """Figures of one detector on one case; settings are further options of offline_mapper."""
+    def run(self, case, detector, settings=()):
+        """Folder with what one detector made of one case; settings are further parameters."""
         bag, truth = self.bag(case)
         tag = hashlib.sha256("\0".join(settings).encode()).hexdigest()[:8]
         name = "-".join([case.label, detector] + ([tag] if settings else []))
@@ -119,6 +119,12 @@ class Bench:
         words += DETECTORS[detector] + [w for s in settings for w in ("--set", s)]
         os.makedirs(out, exist_ok=True)
         _do_once(words, self.map_files + [bag], os.path.join(out, "stamp"))
+        return out
+
+    def figures(self, case, detector, settings=()):
+        """Figures of one detector on one case."""
+        truth = self.bag(case)[1]
+        out = self.run(case, detector, settings)
         figures = scoring.score(scoring.Truth(truth), scoring.Run(out))
         with open(os.path.join(out, "report.json")) as file:
             figures["report"] = json.load(file)

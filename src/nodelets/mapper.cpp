@@ -59,6 +59,7 @@ class Mapper : public StageNodelet {
       return monitor().dropped("other_frame", sentence("obstacles are in '", input.view.odom_frame,
                                                        "', the map is in '", frame_, "'"));
     if (order_.judge(input.header.stamp) == StampVerdict::Jump) onClockJump();
+    if (answer_.age > 0.0F) return monitor().skipped("remembered");
     frame_ = input.view.odom_frame;
     map_->update(answer_);
     outputs_->setHeader(frame_, input.header.stamp);
