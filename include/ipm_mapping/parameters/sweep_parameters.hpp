@@ -66,7 +66,7 @@ struct MotionRefinementParameters {
   double farthest = 5.5;
   int row_step = 6;
   int line_step = 8;
-  int iterations = 5;
+  int iterations = 20;
   double first_spread = 16.0;
   double sd_forward = 0.04;
   double sd_sideways = 0.003;
@@ -197,7 +197,7 @@ struct SelectionParameters {
   double edge_score = 20.0;
   double edge_contrast = 12.0;
   int edge_farther = 4;
-  int edge_nearer = 10;
+  int edge_nearer = 6;
   bool straddle = true;
   double straddle_gap = 0.133;
   double straddle_ratio = 1.5;
