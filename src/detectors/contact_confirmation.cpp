@@ -24,6 +24,7 @@ void ContactConfirmation::apply(Obstacles& obstacles) {
   next_ = (next_ + 1) % frames_.size();
   known_ = std::min(known_ + 1, frames_.size());
   seen.clear();
+  seen.reserve(obstacles.bearings.size());
   for (const Contact& contact : obstacles.contacts)
     seen.push_back(obstacles.view.T_odom_base * contact.p_base.cast<double>());
   std::size_t kept = 0;

@@ -10,6 +10,7 @@ namespace {
 constexpr double floor_step = 0.05;  // metres between the places asked along a bearing
 constexpr int late_steps = 3;        // of it, by which the floor may begin later than the view
 constexpr int halvings = 7;          // of that step, to find where free floor ends
+constexpr double rounding = 1e-4;    // metres
 constexpr double own_turn = 0.2;     // radians: views turned less replace one another
 constexpr float least_age = 1e-6F;   // seconds: above 0 means remembered
 
@@ -50,6 +51,7 @@ void RememberedView::assign(const Obstacles& seen) {
   T_base_odom_ = seen.view.T_odom_base.inverse();
   max_range_ = seen.max_range;
   bearings_.assign(seen.bearings.begin(), seen.bearings.end());
+  contacts_.reserve(bearings_.size());
   contacts_.assign(seen.contacts.begin(), seen.contacts.end());
   offsets_.clear();
   if (bearings_.empty()) return;
@@ -77,8 +79,8 @@ std::optional<bool> RememberedView::floorAt(const Eigen::Vector2d& p_odom) const
   if (!i || p_base.norm() > max_range_ + floor_step) return std::nullopt;
   const Bearing& bearing = bearings_[*i];
   const double distance = from_foot.norm();
-  if (distance < double{bearing.near}) return std::nullopt;
-  return bearing.state != BearingState::Unknown && distance <= double{bearing.range};
+  if (distance < double{bearing.near} - rounding) return std::nullopt;
+  return bearing.state != BearingState::Unknown && distance <= double{bearing.range} + rounding;
 }
 
 void ContactMemory::clear() {
@@ -135,6 +137,7 @@ bool ContactMemory::recall(const Frame& frame, Obstacles& obstacles) const {
   obstacles.view.T_odom_base = frame.T_odom_base;
   obstacles.age =
       std::max(least_age, static_cast<float>(frame.stamp - view(newest).ground().stamp));
+  obstacles.contacts.reserve(last.bearings().size());
   for (const Bearing& bearing : last.bearings())
     obstacles.bearings.push_back(floorAlong(frame, bearing));
   for (int back = newest; back < known_; ++back)

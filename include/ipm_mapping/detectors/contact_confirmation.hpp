@@ -17,7 +17,7 @@ class ContactConfirmation {
 
   void clear() { known_ = 0; }
   /// Takes a used frame's answer and leaves its confirmed contacts; bearings that lose their
-  /// contact say nothing any more. Allocates only while frames have more contacts than ever before.
+  /// contact say nothing any more. Allocates only while the number of bearings grows.
   void apply(Obstacles& obstacles);
 
  private:

@@ -14,7 +14,7 @@ namespace ipm_mapping {
 /// What one used frame saw, to be asked about places in the odometry frame.
 class RememberedView {
  public:
-  /// Takes a used frame's answer; allocates only while answers grow.
+  /// Takes a used frame's answer; allocates only while the number of bearings grows.
   void assign(const Obstacles& seen);
 
   [[nodiscard]] const GroundView& ground() const { return ground_; }

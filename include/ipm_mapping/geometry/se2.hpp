@@ -63,7 +63,7 @@ struct SE2 {
   const double theta = velocity[2];
   const bool small = std::abs(theta) < 1e-6;
   const double s = small ? 1.0 - theta * theta / 6.0 : std::sin(theta) / theta;
-  const double c = small ? 0.5 * theta : (1.0 - std::cos(theta)) / theta;
+  const double c = small ? 0.5 * theta : 2.0 * std::pow(std::sin(0.5 * theta), 2) / theta;
   return {s * velocity[0] - c * velocity[1], c * velocity[0] + s * velocity[1], wrapAngle(theta)};
 }
 
