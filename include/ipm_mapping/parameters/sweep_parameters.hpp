@@ -195,7 +195,7 @@ struct SelectionParameters {
   double score_cap = 60.0;
   int refine_steps = 4;
   int lean_reach = 14;
-  double lean_gain = 1.1;
+  double lean_gain = 1.02;
   double edge_score = 20.0;
   double edge_contrast = 12.0;
   int edge_farther = 4;
