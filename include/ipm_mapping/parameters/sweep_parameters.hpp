@@ -151,7 +151,7 @@ struct NoiseParameters {
 /// Costs of the floor and of a vertical line, and their difference.
 struct EvidenceParameters {
   double floor_cap = 2.5;
-  double vertical_prior = 0.05;
+  double vertical_prior = 0.03;
   double specular_prior = 0.2;
   double specular_parallax = 0.12;
   double drift_width = 0.085;
@@ -186,7 +186,7 @@ struct EvidenceParameters {
 /// From scores to one contact a beam.
 struct SelectionParameters {
   double nearer_score = 15.0;
-  double publish_score = 5.0;
+  double publish_score = 4.0;
   double publish_slope = 20.0;
   double step_cost = 0.5;
   double jump_cost = 20.0;
