@@ -158,6 +158,7 @@ struct EvidenceParameters {
   double drift_length = 0.10;
   double evidence_rows = 360.0;
   int beam_step = 6;
+  int search_step = 2;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& field) {
@@ -180,6 +181,8 @@ struct EvidenceParameters {
     field("evidence_rows", self.evidence_rows, Unit{"1"}, Range{1.0, 10000.0},
           "independent observations per unit of r: scores count these");
     field("beam_step", self.beam_step, Unit{"lines"}, Range{1, 64}, "lines from beam to beam");
+    field("search_step", self.search_step, Unit{"candidates"}, Range{1, 8},
+          "every how many candidates one is evaluated before the maxima are");
   }
 };
 
