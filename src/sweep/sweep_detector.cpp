@@ -39,6 +39,7 @@ void SweepDetector::setCamera(const CameraModel& camera, const CameraPose& T_bas
                    parameters_.evidence);
   selection_.configure(sweep_, grid_.height, parameters_.selection);
   leaning_.configure(parameters_.selection);
+  free_floor_.configure(parameters_.selection);
   edge_.configure(parameters_.selection);
   ring_.configure(grid_, parameters_.reference);
   current_.image.resize(grid_.rows, grid_.lines);
@@ -57,6 +58,7 @@ void SweepDetector::setCamera(const CameraModel& camera, const CameraPose& T_bas
 void SweepDetector::reset() {
   ring_.clear();
   refinement_.forgetFloor();
+  free_floor_.reset();
   seen_any_ = false;
 }
 
