@@ -38,6 +38,8 @@ void SweepDetector::setCamera(const CameraModel& camera, const CameraPose& T_bas
   sweep_.configure(grid_, rows, noise_.sweepRows(), parameters_.grid.max_support,
                    parameters_.evidence);
   selection_.configure(sweep_, grid_.height, parameters_.selection);
+  leaning_.configure(parameters_.selection);
+  edge_.configure(parameters_.selection);
   ring_.configure(grid_, parameters_.reference);
   current_.image.resize(grid_.rows, grid_.lines);
   current_grey_.resize(grid_.sweepRows(), grid_.lines);
@@ -74,6 +76,7 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
   lap_start_ = now();
   rectification_.rectify(frame.image, current_.image.view());
   current_.mean.evaluate(lattice_, current_.image.view());
+  current_.T_floor_base = T_floor_last_ * (T_odom_last_.inverse() * frame.T_odom_base);
   current_.T_odom_base = frame.T_odom_base;
   current_.stamp = frame.stamp;
   lap("rectification");
@@ -82,15 +85,19 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
     fillView(frame, obstacles);
     splitCurrent();
     compareWithReferences();
-    sweep_.evaluate({current_grey_.view(), weight_.view(), &noise_.sweepRows()}, views_.data(),
-                    reference_count_, static_cast<float>(parameters_.selection.publish_score),
-                    scores_);
+    const CurrentView view{current_grey_.view(), weight_.view(), &noise_.sweepRows()};
+    sweep_.evaluate(view, views_.data(), reference_count_,
+                    static_cast<float>(parameters_.selection.publish_score), scores_);
     lap("vertical_sweep");
     selection_.select(scores_, choices_);
+    leaning_.refine(view, views_.data(), reference_count_, sweep_, scores_, choices_);
+    edge_.refine(view, sweep_, scores_, choices_);
     fillObstacles(obstacles);
     maskFloor();
     lap("bearing_selection");
   }
+  T_odom_last_ = current_.T_odom_base;
+  T_floor_last_ = current_.T_floor_base;
   ring_.offer(current_);
   return status;
 }
@@ -155,8 +162,10 @@ void SweepDetector::compareWithReferences() {
   for (std::size_t q = 0; q < static_cast<std::size_t>(reference_count_); ++q) {
     const RectifiedFrame& reference = *references_[q];
     motions_[q] = refinement_.refine(current_, reference,
-                                     reference.T_odom_base.inverse() * current_.T_odom_base);
+                                     reference.T_odom_base.inverse() * current_.T_odom_base,
+                                     reference.T_floor_base.inverse() * current_.T_floor_base);
   }
+  current_.T_floor_base = references_[0]->T_floor_base * motions_[0].motion;
   lap("motion_refinement");
   for (std::size_t q = 0; q < static_cast<std::size_t>(reference_count_); ++q) {
     Planes& planes = planes_[q];

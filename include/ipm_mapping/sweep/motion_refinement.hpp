@@ -18,6 +18,7 @@ struct RectifiedFrame {
   Image<std::uint8_t> image;  ///< rows x lines of the polar grid
   LocalMean mean;
   SE2 T_odom_base;
+  SE2 T_floor_base;  ///< the same by chaining refined motions
   double stamp = 0.0;
 };
 
@@ -47,7 +48,7 @@ class MotionRefinement {
   void forgetFloor() { floor_begin_.assign(floor_begin_.size(), 0); }
 
   [[nodiscard]] RefinedMotion refine(const RectifiedFrame& current, const RectifiedFrame& reference,
-                                     const SE2& odometry);
+                                     const SE2& odometry, const SE2& start);
 
  private:
   /// A fixed floor point of the current view.

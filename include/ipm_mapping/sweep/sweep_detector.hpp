@@ -6,8 +6,10 @@
 #include "ipm_mapping/detector.hpp"
 #include "ipm_mapping/parameters/sweep_parameters.hpp"
 #include "ipm_mapping/sweep/bearing_selection.hpp"
+#include "ipm_mapping/sweep/contact_edge.hpp"
 #include "ipm_mapping/sweep/cylindrical_rectification.hpp"
 #include "ipm_mapping/sweep/floor_cost.hpp"
+#include "ipm_mapping/sweep/leaning_surface.hpp"
 #include "ipm_mapping/sweep/motion_refinement.hpp"
 #include "ipm_mapping/sweep/noise_model.hpp"
 #include "ipm_mapping/sweep/reference_ring.hpp"
@@ -76,6 +78,8 @@ class SweepDetector : public Detector {
   SpecularCost specular_;
   VerticalSweep sweep_;
   BearingSelection selection_;
+  LeaningSurface leaning_;
+  ContactEdge edge_;
   ReferenceRing ring_;
   BlockLattice lattice_;
 
@@ -90,6 +94,7 @@ class SweepDetector : public Detector {
   SweepScores scores_;
   std::vector<BeamChoice> choices_;
   SE2 last_used_;
+  SE2 T_odom_last_, T_floor_last_;  // of the last frame
   bool seen_any_ = false;
   std::vector<StageTime> times_;
   double lap_start_ = 0.0;
