@@ -129,8 +129,24 @@ class BagLife(unittest.TestCase):
         dropped = {name: self.more(name) for name in self.counters if name.startswith("dropped")}
         self.assertEqual({name: n for name, n in dropped.items() if n}, {})
 
-    def test_1_paused_at_first_and_in_between(self):
-        with Player(self.bag, "--pause") as player:
+    def test_1_from_the_middle(self):
+        start = 1.5
+        with Player(self.bag, "--start=%s" % start):
+            last = max(self.expected)
+            self.assertTrue(wait_for(lambda: last in self.stamps(self.answers)))
+            self.assertTrue(wait_for(
+                lambda: self.map and round(self.map.header.stamp.to_sec(), 4) == last))
+        stamps = self.stamps(self.answers)
+        self.assertGreater(min(stamps), min(self.expected) + start / 2)
+        self.assertLessEqual(set(stamps), set(self.expected))
+        self.assertGreater(len(stamps), 10)
+        # The camera's pose in tf was said once, before the start, and is known all the same.
+        self.assertAlmostEqual(self.answers[0].view.camera[11], 0.42, places=5)
+        self.assertTrue(self.reported(len(stamps)))
+        self.assert_nothing_dropped()
+
+    def test_2_paused_at_first_and_in_between(self):
+        with Player(self.bag, "--pause", "--rate=0.5") as player:
             rospy.wait_for_service("/player/pause_playback", 30)
             time.sleep(1.5)
             self.assertEqual(self.answers, [], "it is paused")
@@ -144,23 +160,7 @@ class BagLife(unittest.TestCase):
             self.assertTrue(wait_for(lambda: len(self.answers) >= len(self.expected)))
             self.assertTrue(self.reported(FRAMES))
         self.assert_as_offline(self.answers)
-        self.assert_nothing_dropped()
-
-    def test_2_from_the_middle(self):
-        start = 1.5
-        with Player(self.bag, "--start=%s" % start):
-            last = max(self.expected)
-            self.assertTrue(wait_for(lambda: last in self.stamps(self.answers)))
-            self.assertTrue(wait_for(
-                lambda: self.map and round(self.map.header.stamp.to_sec(), 4) == last))
-        stamps = self.stamps(self.answers)
-        self.assertGreater(min(stamps), min(self.expected) + start / 2)
-        self.assertLessEqual(set(stamps), set(self.expected))
-        self.assertGreater(len(stamps), 10)
-        # The camera's pose in tf was said once, before the start, and is known all the same.
-        self.assertAlmostEqual(self.answers[0].view.camera[11], 0.42, places=5)
-        self.assertTrue(wait_for(lambda: self.more("received") >= len(stamps)))
-        self.assertEqual(self.more("resets"), 1, "the clock was set back, once")
+        self.assertEqual(self.more("resets"), 1, "the bag begins before the end of the test before")
         self.assert_nothing_dropped()
 
     def test_3_five_times_as_fast(self):
