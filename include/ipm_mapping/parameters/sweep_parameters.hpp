@@ -151,13 +151,14 @@ struct NoiseParameters {
 /// Costs of the floor and of a vertical line, and their difference.
 struct EvidenceParameters {
   double floor_cap = 2.5;
-  double vertical_prior = 0.05;
+  double vertical_prior = 0.03;
   double specular_prior = 0.2;
   double specular_parallax = 0.12;
   double drift_width = 0.085;
   double drift_length = 0.10;
   double evidence_rows = 360.0;
   int beam_step = 6;
+  int search_step = 2;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& field) {
@@ -180,13 +181,15 @@ struct EvidenceParameters {
     field("evidence_rows", self.evidence_rows, Unit{"1"}, Range{1.0, 10000.0},
           "independent observations per unit of r: scores count these");
     field("beam_step", self.beam_step, Unit{"lines"}, Range{1, 64}, "lines from beam to beam");
+    field("search_step", self.search_step, Unit{"candidates"}, Range{1, 8},
+          "every how many candidates one is evaluated before the maxima are");
   }
 };
 
 /// From scores to one contact a beam.
 struct SelectionParameters {
   double nearer_score = 15.0;
-  double publish_score = 5.0;
+  double publish_score = 4.0;
   double publish_slope = 20.0;
   double step_cost = 0.5;
   double jump_cost = 20.0;
