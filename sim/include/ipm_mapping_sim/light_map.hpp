@@ -14,12 +14,12 @@ namespace ipm_mapping::sim {
 
 constexpr int kMaxLamps = 8;
 
-/// Shares of light in 0...1 at a point; `steep` has a bit for each lamp whose share must be asked
-/// for again with shadowShare().
+/// Shares of light in 0...1 at sixteen points; `steep` has a bit for each point at which a lamp's
+/// share must be asked for again with lampShare().
 struct LightShares {
-  float ambient = 1.0F;
-  float lamp[kMaxLamps] = {};
-  unsigned steep = 0;
+  Lanes ambient;
+  Lanes lamp[kMaxLamps];
+  unsigned steep[kMaxLamps] = {};
 };
 
 /// A square of a surface: its centre and its edges.
@@ -37,7 +37,8 @@ class LightMap {
   /// Map of one patch, or of the floor with patch == nullptr; `texel` metres a square.
   LightMap(const Stage& stage, const std::vector<LampSpec>& lamps, const Patch* patch, float texel);
 
-  [[nodiscard]] LightShares at(const SurfacePoint& point);
+  /// Shares at the members of a packet; the other lanes see all light.
+  void at(const PointPacket& points, LightShares& out);
 
  private:
   static constexpr int kTile = 32, kStored = kTile + 1, kBaked = kTile + 3;
@@ -51,6 +52,7 @@ class LightMap {
   };
 
   const Tile& tile(int i, int j);
+  void sampleAt(float x, float y, int lane, LightShares& out);
   [[nodiscard]] std::unique_ptr<Tile> bakeTile(int i, int j) const;
   [[nodiscard]] Texel texelAt(int i, int j) const;
   [[nodiscard]] Baked bake(const Texel& texel) const;
