@@ -114,6 +114,9 @@ LightMap::LightMap(const Stage& stage, const std::vector<LampSpec>& lamps, const
     }
   }
   per_cell_ = (longest / texel_).array().ceil().max(1.0F);
+  lowest_ = 0;
+  highest_i_ = (patch_->cols - 1) * static_cast<int>(per_cell_.x()) - 1;
+  highest_j_ = (patch_->rows - 1) * static_cast<int>(per_cell_.y()) - 1;
 }
 
 Texel LightMap::texelAt(int i, int j) const {
@@ -123,10 +126,8 @@ Texel LightMap::texelAt(int i, int j) const {
     return {centre, Vector3f::UnitZ(), texel_ * Vector3f::UnitX(), texel_ * Vector3f::UnitY()};
   }
   const int columns = patch_->cols - 1, rows = patch_->rows - 1;
-  const float limit_u = static_cast<float>(columns) * per_cell_.x() - 0.5F;
-  const float limit_v = static_cast<float>(rows) * per_cell_.y() - 0.5F;
-  const float gu = std::clamp(static_cast<float>(i) + 0.5F, 0.5F, limit_u) / per_cell_.x();
-  const float gv = std::clamp(static_cast<float>(j) + 0.5F, 0.5F, limit_v) / per_cell_.y();
+  const float gu = (static_cast<float>(i) + 0.5F) / per_cell_.x();
+  const float gv = (static_cast<float>(j) + 0.5F) / per_cell_.y();
   const int c = std::min(static_cast<int>(gu), columns - 1);
   const int r = std::min(static_cast<int>(gv), rows - 1);
   const float u = gu - static_cast<float>(c), v = gv - static_cast<float>(r);
@@ -205,14 +206,28 @@ void LightMap::markSteep(const std::vector<Baked>& baked, Tile& tile) const {
   }
 }
 
-std::unique_ptr<LightMap::Tile> LightMap::bakeTile(int i, int j) const {
+/// All squares of a tile and a border around it. Squares beyond the patch repeat its outermost
+/// ones, which are always among them.
+std::vector<LightMap::Baked> LightMap::bakeSquares(int first_i, int first_j) const {
   std::vector<Baked> baked(static_cast<std::size_t>(kBaked) * kBaked);
-  for (int row = 0; row < kBaked; ++row) {
-    for (int column = 0; column < kBaked; ++column) {
-      baked[static_cast<std::size_t>(row * kBaked + column)] =
-          bake(texelAt(i * kTile + column - 1, j * kTile + row - 1));
+  const auto place = [&](int i, int j) -> Baked& {
+    return baked[static_cast<std::size_t>((j - first_j) * kBaked + i - first_i)];
+  };
+  const int low_i = std::max(first_i, lowest_), high_i = std::min(first_i + kBaked - 1, highest_i_);
+  const int low_j = std::max(first_j, lowest_), high_j = std::min(first_j + kBaked - 1, highest_j_);
+  for (int j = low_j; j <= high_j; ++j) {
+    for (int i = low_i; i <= high_i; ++i) place(i, j) = bake(texelAt(i, j));
+  }
+  for (int j = first_j; j < first_j + kBaked; ++j) {
+    for (int i = first_i; i < first_i + kBaked; ++i) {
+      place(i, j) = place(std::clamp(i, low_i, high_i), std::clamp(j, low_j, high_j));
     }
   }
+  return baked;
+}
+
+std::unique_ptr<LightMap::Tile> LightMap::bakeTile(int i, int j) const {
+  const std::vector<Baked> baked = bakeSquares(i * kTile - 1, j * kTile - 1);
   const std::size_t n = lamps_.size() + 1;
   auto tile = std::make_unique<Tile>();
   tile->shares.resize(static_cast<std::size_t>(kStored) * kStored * n);

@@ -6,7 +6,8 @@ namespace ipm_mapping::sim {
 namespace {
 
 constexpr int kBlock = 4;
-constexpr std::size_t kQueue = 4096;  // parts of pixels that are shaded in one go
+constexpr float kFaintMirror = 0.08F;  // share of light whose mirror image needs no smooth edges
+constexpr std::size_t kQueue = 4096;   // parts of pixels that are shaded in one go
 
 /// Place of the k-th of sixteen samples within a pixel: each in its own of 16 columns and rows.
 float sampleColumn(int k) { return (static_cast<float>(k) + 0.5F) / kPacket - 0.5F; }
@@ -128,7 +129,7 @@ void Renderer::addMirrors(const std::size_t* pixels, unsigned members, Mirrors& 
     const float weight = largestOf(mirrors.share, group);
     shader_.radiance(surface, group, mirrors.rays, hits, weight, light, none);
     forMembers(group, [&](int k) {
-      mirrored_[pixels[k]] = surface;
+      if (mirrors.share[k] > kFaintMirror) mirrored_[pixels[k]] = surface;
       radiance[pixels[k]] += mirrors.share[k] * light[k];
     });
   });
@@ -172,10 +173,12 @@ void Renderer::queuePixel(int u, int v) {
   queueParts(rays, kAllLanes, whole, parts_);
 }
 
-/// The mirrored rays of a part of a glossy floor, spread like the part itself.
+/// The mirrored rays of a part of a glossy floor, spread like the part itself; a faint mirror's
+/// middle one stands for all.
 void Renderer::queueMirror(const Part& part, const PixelRay& mirror, float share) {
   PixelRays rays;
-  forMembers(part.members, [&](int k) {
+  const unsigned members = share > kFaintMirror ? part.members : 1U << part.middle;
+  forMembers(members, [&](int k) {
     const float du = sampleColumn(k) - sampleColumn(part.middle);
     const float dv = sampleRow(k) - sampleRow(part.middle);
     PixelRay ray = mirror;
@@ -184,7 +187,7 @@ void Renderer::queueMirror(const Part& part, const PixelRay& mirror, float share
   });
   Part whole = part;
   whole.weight = share;
-  queueParts(rays, part.members, whole, mirrored_parts_);
+  queueParts(rays, members, whole, mirrored_parts_);
 }
 
 /// Traces the rays of `whole` and queues a part for each surface that they meet.

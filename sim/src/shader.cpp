@@ -8,7 +8,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr float kFloorTexel = 0.01F, kSolidTexel = 0.02F;
+constexpr float kFloorTexel = 0.01F, kFarFloorTexel = 0.04F, kSolidTexel = 0.02F;
 constexpr float kGrazingMirror = 0.6F;
 constexpr float kVisibleContrast = 0.004F;  // below the sensor's noise
 constexpr float kFaintest = 0.35F;          // share of light whose shadows' edges are worth a ray
@@ -90,7 +90,8 @@ Shader::Shader(const Scene& scene, const Stage& stage)
       stage_(stage),
       textures_(static_cast<std::uint64_t>(scene.seed)),
       floor_(scene, textures_),
-      floor_map_(stage, scene.lamps, nullptr, kFloorTexel) {
+      floor_map_(stage, scene.lamps, nullptr, kFloorTexel),
+      far_floor_map_(stage, scene.lamps, nullptr, kFarFloorTexel) {
   if (scene.lamps.size() > kMaxLamps) {
     throw ParameterError("scene: lamps are " + std::to_string(scene.lamps.size()) +
                          ", must be at most " + std::to_string(kMaxLamps));
@@ -244,12 +245,22 @@ SIM_LANES void Shader::mirror(const Lanes3& normal, const Lanes3& to_eye, const 
   }
 }
 
+/// Where a pixel is longer than a coarse square, nobody sees the fine ones.
+LightMap& Shader::floorMap(const PointPacket& points) {
+  float shortest = kFarFloorTexel;
+  forMembers(points.members, [&](int k) {
+    shortest = std::min(shortest, std::max(extentAlong(points.dpdx.x[k], points.dpdy.x[k]),
+                                           extentAlong(points.dpdx.y[k], points.dpdy.y[k])));
+  });
+  return shortest < kFarFloorTexel ? floor_map_ : far_floor_map_;
+}
+
 SIM_LANES void Shader::floor(const PointPacket& points, const PixelRays& rays, Lanes& out,
                              Mirrors& mirrors) {
   FloorLook look;
   floor_.at(points, look);
   Lit lit;
-  light(floor_map_, points, lit);
+  light(floorMap(points), points, lit);
 #pragma omp simd
   for (int k = 0; k < kPacket; ++k) out[k] = look.albedo[k] * lit.diffuse[k];
   if (scene_.floor.specular <= 0.0 && !glossyFloor()) return;

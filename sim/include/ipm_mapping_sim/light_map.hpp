@@ -42,6 +42,7 @@ class LightMap {
 
  private:
   static constexpr int kTile = 32, kStored = kTile + 1, kBaked = kTile + 3;
+  static constexpr int kNoLimit[2] = {-(1 << 30), 1 << 30};
   struct Tile {
     std::vector<float> shares;        ///< kStored^2 squares x (1 + lamps)
     std::vector<std::uint8_t> steep;  ///< kTile^2 bits between four squares
@@ -53,6 +54,7 @@ class LightMap {
 
   const Tile& tile(int i, int j);
   void sampleAt(float x, float y, int lane, LightShares& out);
+  [[nodiscard]] std::vector<Baked> bakeSquares(int first_i, int first_j) const;
   [[nodiscard]] std::unique_ptr<Tile> bakeTile(int i, int j) const;
   [[nodiscard]] Texel texelAt(int i, int j) const;
   [[nodiscard]] Baked bake(const Texel& texel) const;
@@ -65,6 +67,7 @@ class LightMap {
   float texel_;
   Eigen::AlignedBox2f shaded_;  ///< part of the floor that solids can darken
   Eigen::Vector2f per_cell_ = Eigen::Vector2f::Ones();  ///< squares a cell of the patch's grid
+  int lowest_ = kNoLimit[0], highest_i_ = kNoLimit[1], highest_j_ = kNoLimit[1];  ///< squares
   std::unordered_map<std::uint64_t, std::unique_ptr<Tile>> tiles_;
   std::uint64_t last_key_ = 0;
   const Tile* last_ = nullptr;

@@ -34,6 +34,7 @@ class Shader {
   };
   void sky(const PixelRays& rays, Lanes& out) const;
   void solid(int patch, const PointPacket& points, Lanes& out);
+  [[nodiscard]] LightMap& floorMap(const PointPacket& points);
   void floor(const PointPacket& points, const PixelRays& rays, Lanes& out, Mirrors& mirrors);
   void light(LightMap& map, const PointPacket& points, Lit& lit) const;
   void addLamp(std::size_t index, const PointPacket& points, LightShares& shares, Lit& lit) const;
@@ -48,7 +49,7 @@ class Shader {
   const Stage& stage_;
   TextureSet textures_;
   Floor floor_;
-  LightMap floor_map_;
+  LightMap floor_map_, far_floor_map_;
   std::vector<std::unique_ptr<LightMap>> maps_;
   std::vector<const Texture*> grains_;
 };
