@@ -108,6 +108,8 @@ SIM_LANES void Floor::placesOf(const Laid& laid, Places& places, Lanes& gap) con
     places.at.y[k] = in_y;
     places.own.x[k] = edgeCoverage(edge_x, wide_x);
     places.own.y[k] = edgeCoverage(edge_y, wide_y);
+    // Far away a pixel covers many cells: their differences cancel.
+    places.single[k] = std::min(1.0F, std::min(size_x / wide_x, size_y / wide_y));
     places.column[k] = column;
     places.row[k] = row[k];
   }
@@ -127,7 +129,7 @@ float Floor::brightness(const Places& places, int k) const {
   };
   const float here = row_tone(row);
   const float blend = own_y < 1.0F ? own_y * here + (1.0F - own_y) * row_tone(row + side_y) : here;
-  return 1.0F + static_cast<float>(spec_.vary) * blend;
+  return 1.0F + static_cast<float>(spec_.vary) * places.single[k] * blend;
 }
 
 void Floor::cellsAt(const Laid& laid, unsigned members, Cells& cells) const {
@@ -138,10 +140,9 @@ void Floor::cellsAt(const Laid& laid, unsigned members, Cells& cells) const {
   forMembers(members, [&](int k) {
     const bool same =
         last >= 0 && places.column[k] == places.column[last] && places.row[k] == places.row[last];
-    const bool inside = places.own.x[k] >= 1.0F && places.own.y[k] >= 1.0F;
-    const bool like_last =
-        same && inside && places.own.x[last] >= 1.0F && places.own.y[last] >= 1.0F;
-    cells.brightness[k] = like_last ? cells.brightness[last] : brightness(places, k);
+    const auto whole = [&](int j) { return places.own.x[j] >= 1.0F && places.own.y[j] >= 1.0F; };
+    const bool alike = same && whole(k) && whole(last);
+    cells.brightness[k] = alike ? cells.brightness[last] : brightness(places, k);
     const std::uint64_t own = same ? 0 : cellHash(seed_ ^ 0x7113, places.column[k], places.row[k]);
     cells.shift.x[k] = same ? cells.shift.x[last] : unitFloat(own);
     cells.shift.y[k] = same ? cells.shift.y[last] : unitFloat(mixBits(own));
@@ -149,6 +150,10 @@ void Floor::cellsAt(const Laid& laid, unsigned members, Cells& cells) const {
     cells.tilt.y[k] = same ? cells.tilt.y[last] : most * signedFloat(mixBits(own + 2));
     last = k;
   });
+  for (int k = 0; k < kPacket; ++k) {
+    cells.tilt.x[k] *= places.single[k];
+    cells.tilt.y[k] *= places.single[k];
+  }
 }
 
 void Floor::discShares(const Stripe& stripe, const PointPacket& points, Lanes& shares) {

@@ -52,14 +52,17 @@ std::vector<Octave> octavesOf(Grain grain) {
       return {{30, 30, 0.3F}, {200, 200, 0.9F}, {400, 400, 0.9F}};
     case Grain::Concrete:
       return {{3, 3, 0.5F}, {8, 8, 0.5F}, {22, 22, 0.4F}, {70, 70, 0.4F}, {210, 210, 0.5F}};
+    case Grain::Marble:
+      return {{7, 7, 0.6F}, {15, 15, 0.5F}, {33, 33, 0.25F}, {150, 150, 0.1F}};
   }
   return {};
 }
 
-/// Rounded blotches with thin dark rims for stone, the plain sum elsewhere.
+/// Rounded blotches with thin dark rims for stone, dark veins for marble, the plain sum elsewhere.
 float shape(Grain grain, float sum) {
   if (grain == Grain::Speckle) return std::tanh(1.4F * sum);
   if (grain == Grain::Wood) return std::tanh(1.2F * sum) + 0.25F * std::sin(9.0F * sum);
+  if (grain == Grain::Marble) return std::tanh(4.0F * std::abs(sum));
   return sum;
 }
 

@@ -28,8 +28,9 @@ class Floor {
   };
   /// Where the points lie within their cells.
   struct Places {
-    Lanes2 at;   ///< from the cell's lower corner
-    Lanes2 own;  ///< share of the pixel on this side of the nearer gap
+    Lanes2 at;     ///< from the cell's lower corner
+    Lanes2 own;    ///< share of the pixel on this side of the nearer gap
+    Lanes single;  ///< share that is left of the difference between cells
     IntLanes column, row;
   };
   struct Cells {
