@@ -78,8 +78,9 @@ inline float exp2Of(float x) {
   constexpr float ln2 = 0.693147181F, root = 1.41421356F;
   const int whole = floorOf(x);
   const float g = (x - static_cast<float>(whole) - 0.5F) * ln2;
-  const float series =
-      1.0F + g * (1.0F + g * (0.5F + g * (1.0F / 6.0F + g * (1.0F / 24.0F + g * (1.0F / 120.0F)))));
+  constexpr float c[] = {1.0F, 1.0F, 0.5F, 1.0F / 6.0F, 1.0F / 24.0F, 1.0F / 120.0F, 1.0F / 720.0F};
+  const float high = c[4] + g * (c[5] + g * c[6]);
+  const float series = c[0] + g * (c[1] + g * (c[2] + g * (c[3] + g * high)));
   return root * series * floatOf((whole + 127) * (1 << 23));
 }
 
