@@ -1,0 +1,264 @@
+#include "ipm_mapping/sweep/self_calibration.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "ipm_mapping/sweep/camera_check.hpp"
+#include "ipm_mapping/sweep/sweep_detector.hpp"
+#include "sweep/sweep_fixture.hpp"
+
+namespace ipm_mapping::sweep {
+namespace {
+
+constexpr double degree = M_PI / 180.0;
+
+CalibrationParameters smallCalibration() {
+  CalibrationParameters p;
+  p.row_step = 5;
+  p.line_step = 7;
+  return p;
+}
+
+/// How odometry is wrong: true pose at a time, to what it says.
+using Odometry = std::function<SE2(const SE2& truth, double stamp)>;
+SE2 honest(const SE2& truth, double) { return truth; }
+
+/// Frames of a gentle curve through a rendered world, taken once for all tests.
+struct Recording {
+  std::vector<Image<std::uint8_t>> pictures;
+  std::vector<SE2> truth;
+  test::GrainedScene scene{test::smallCamera(), test::smallCameraPose()};
+
+  Recording() {
+    scene.boxes = {{1.5, 1.8, 0.35, 0.8, 0.4}};
+    SE2 pose;
+    for (int i = 0; i <= 28; ++i) {
+      truth.push_back(pose);
+      pictures.push_back(scene.render(pose));
+      pose = pose * SE2{0.03, 0.0, i < 14 ? 0.012 : -0.012};
+    }
+  }
+};
+const Recording& recording() {
+  static const Recording once;
+  return once;
+}
+
+Frame frameOf(std::size_t i, const Odometry& odometry) {
+  Frame frame;
+  frame.index = i;
+  frame.stamp = 0.1 * static_cast<double>(i);
+  frame.image = recording().pictures[i].view();
+  frame.T_odom_base = odometry(recording().truth[i], frame.stamp);
+  return frame;
+}
+
+CalibrationReport check(const CameraPose& stated, const Odometry& odometry = honest,
+                        const CalibrationParameters& parameters = smallCalibration()) {
+  CameraCheck check(test::smallParameters(), parameters);
+  check.setCamera(test::smallCamera(), stated);
+  Obstacles obstacles;
+  for (std::size_t i = 0; i < recording().pictures.size(); ++i)
+    check.process(frameOf(i, odometry), obstacles);
+  return *check.calibration();
+}
+
+CameraPose statedPose(double pitch_error, double height_error) {
+  return cameraPose(0.05, -0.01, 0.45 + height_error, 0.42 + pitch_error);
+}
+
+TEST(SelfCalibration, FindsNothingWrongWithATruePose) {
+  const CalibrationReport r = check(statedPose(0.0, 0.0));
+  ASSERT_TRUE(r.confident);
+  EXPECT_NEAR(r.pitch.off(), 0.0, 0.05 * degree);
+  EXPECT_NEAR(r.roll.off(), 0.0, 0.1 * degree);
+  EXPECT_NEAR(r.height.off(), 0.0, 0.002);
+  EXPECT_FALSE(r.pitch_off || r.roll_off || r.height_off) << advice(r);
+}
+
+class WrongPose : public ::testing::TestWithParam<std::pair<double, double>> {};
+
+TEST_P(WrongPose, IsFoundOut) {
+  const auto [pitch_error, height_error] = GetParam();
+  const CalibrationReport r = check(statedPose(pitch_error, height_error));
+  ASSERT_TRUE(r.confident);
+  EXPECT_NEAR(r.pitch.estimate, 0.42, 0.1 * degree);
+  EXPECT_NEAR(r.height.estimate, 0.45, 0.003);
+  EXPECT_NEAR(r.pitch.stated, 0.42 + pitch_error, 1e-9);
+  EXPECT_EQ(r.pitch_off, std::abs(pitch_error) > 0.3 * degree);
+}
+
+INSTANTIATE_TEST_SUITE_P(Errors, WrongPose,
+                         ::testing::Values(std::pair(1 * degree, 0.0), std::pair(-1 * degree, 0.0),
+                                           std::pair(0.0, 0.03), std::pair(0.0, -0.03),
+                                           std::pair(2 * degree, 0.03),
+                                           std::pair(-2 * degree, -0.03),
+                                           std::pair(-2 * degree, 0.04)));
+
+TEST(SelfCalibration, RollIsFoundOut) {
+  const CameraPose stated = cameraPose(0.05, -0.01, 0.45, 0.42, 0.0, 1.0 * degree);
+  const CalibrationReport r = check(stated);
+  EXPECT_NEAR(r.roll.estimate, -1.0 * degree * std::cos(0.42), 0.2 * degree);
+  EXPECT_NEAR(r.pitch.estimate, 0.42, 0.1 * degree);
+}
+
+TEST(SelfCalibration, HeadingDriftOfOdometryIsFoundOut) {
+  const CalibrationReport r = check(statedPose(0.0, 0.0), [](SE2 pose, double stamp) {
+    pose.theta += 0.01 * stamp;
+    return pose;
+  });
+  EXPECT_NEAR(r.yaw_rate.estimate, -0.01, 0.002);
+  EXPECT_NEAR(r.pitch.estimate, 0.42, 0.1 * degree);
+}
+
+/// The floor shows height over way only; the priors say which of the two is believed.
+TEST(SelfCalibration, SharesHeightOverWayOutByThePriors) {
+  const Odometry long_steps = [](const SE2& pose, double) {
+    return SE2{1.02 * pose.x, 1.02 * pose.y, pose.theta};
+  };
+  const double ratio = 0.45 * 1.02;
+  CalibrationParameters trusts_odometry = smallCalibration();
+  trusts_odometry.sd_scale = 1e-4;
+  CalibrationReport r = check(statedPose(0.0, 0.0), long_steps, trusts_odometry);
+  EXPECT_NEAR(r.height.estimate, ratio, 0.002);
+  EXPECT_NEAR(r.scale.estimate, 1.0, 0.001);
+  CalibrationParameters trusts_height = smallCalibration();
+  trusts_height.sd_height = 1e-4;
+  r = check(statedPose(0.0, 0.0), long_steps, trusts_height);
+  EXPECT_NEAR(r.height.estimate, 0.45, 0.001);
+  EXPECT_NEAR(r.scale.estimate, 1.0 / 1.02, 0.005);
+  EXPECT_NEAR(r.height.estimate / r.scale.estimate, ratio, 0.003);
+  EXPECT_LT(r.ratio_sigma, 0.3 * r.height.sigma / r.height.estimate + r.scale.sigma);
+}
+
+TEST(SelfCalibration, WithoutMotionNothingIsLearnt) {
+  const CalibrationReport r =
+      check(statedPose(degree, 0.0), [](const SE2&, double) { return SE2{}; });
+  EXPECT_EQ(r.pairs, 0);
+  EXPECT_FALSE(r.believable);
+  EXPECT_DOUBLE_EQ(r.pitch.off(), 0.0);
+  EXPECT_NE(advice(r).find("not enough floor motion"), std::string::npos);
+}
+
+TEST(SelfCalibration, WithoutTextureNothingIsLearnt) {
+  CameraCheck check(test::smallParameters(), smallCalibration());
+  check.setCamera(test::smallCamera(), statedPose(degree, 0.0));
+  Image<std::uint8_t> noise(400, 300);
+  Obstacles obstacles;
+  std::mt19937 random(1);
+  for (int i = 0; i < 20; ++i) {
+    for (int v = 0; v < 300; ++v)
+      for (int u = 0; u < 400; ++u)
+        noise.at(u, v) = static_cast<std::uint8_t>(110 + static_cast<int>(random() % 9));
+    check.process({0, 0.1 * i, noise.view(), {0.05 * i, 0.0, 0.0}}, obstacles);
+  }
+  EXPECT_EQ(check.calibration()->pairs, 0);
+}
+
+TEST(SelfCalibration, AnEstimateBeyondTheBoundsIsNotBelieved) {
+  CalibrationParameters tight = smallCalibration();
+  tight.max_tilt = 0.5 * degree;
+  const CalibrationReport r = check(statedPose(degree, 0.0), honest, tight);
+  EXPECT_GE(r.pairs, tight.least_pairs);
+  EXPECT_FALSE(r.believable);
+  EXPECT_FALSE(r.confident);
+  tight = smallCalibration();
+  tight.max_height = 0.01;
+  EXPECT_FALSE(check(statedPose(0.0, 0.03), honest, tight).believable);
+}
+
+TEST(SelfCalibration, EvidenceFadesAndThePriorDoesNot) {
+  CalibrationParameters forgetful = smallCalibration();
+  forgetful.memory = 2.0;
+  const CalibrationReport fades = check(statedPose(0.0, 0.0), honest, forgetful);
+  const CalibrationReport keeps = check(statedPose(0.0, 0.0));
+  EXPECT_GT(fades.pitch.sigma, 1.2 * keeps.pitch.sigma);
+  EXPECT_LE(fades.scale.sigma, forgetful.sd_scale);
+}
+
+TEST(CameraCheck, MeasuresThatTheFloorFitsBetterThanAsStated) {
+  CameraCheck check(test::smallParameters(), smallCalibration());
+  check.setCamera(test::smallCamera(), statedPose(1.5 * degree, 0.0));
+  Obstacles obstacles;
+  for (std::size_t i = 0; i < recording().pictures.size(); ++i)
+    check.process(frameOf(i, honest), obstacles);
+  ASSERT_GT(check.view().estimated.size(), 10U);
+  const auto mean = [](const std::vector<double>& values) {
+    double sum = 0.0;
+    for (const double v : values) sum += v;
+    return sum / static_cast<double>(values.size());
+  };
+  EXPECT_GT(mean(check.statedErrors()), 3.0 * mean(check.estimatedErrors()));
+  EXPECT_LT(mean(check.estimatedErrors()), 0.2);
+  EXPECT_NEAR(pitchOf(check.T_base_estimated()), 0.42, 0.1 * degree);
+}
+
+/// The detector: `report` leaves the answer alone, `apply` works with the estimate.
+class CalibratedDetector : public ::testing::Test {
+ protected:
+  void drive(CalibrationMode mode, const CameraPose& stated) {
+    CalibrationParameters p = smallCalibration();
+    p.mode = mode;
+    detector = std::make_unique<SweepDetector>(test::smallParameters(), p);
+    detector->setCamera(test::smallCamera(), stated);
+    for (std::size_t i = 0; i < recording().pictures.size(); ++i) {
+      const Frame frame = frameOf(i, honest);
+      if (detector->process(frame, obstacles) == FrameStatus::Used) last = frame.T_odom_base;
+    }
+  }
+  /// Mean distance of the contacts to the box's outline, metres.
+  [[nodiscard]] double error() const {
+    double sum = 0.0;
+    for (const Contact& c : obstacles.contacts)
+      sum += recording().scene.distanceToOutline(last * c.p_base.cast<double>());
+    return sum / static_cast<double>(obstacles.contacts.size());
+  }
+  std::unique_ptr<SweepDetector> detector;
+  Obstacles obstacles;
+  SE2 last;
+};
+
+TEST_F(CalibratedDetector, ReportLeavesTheAnswerAlone) {
+  const CameraPose stated = statedPose(degree, 0.02);
+  drive(CalibrationMode::Off, stated);
+  EXPECT_FALSE(detector->calibration());
+  const std::vector<Contact> without = obstacles.contacts;
+  drive(CalibrationMode::Report, stated);
+  ASSERT_TRUE(detector->calibration());
+  EXPECT_TRUE(detector->calibration()->pitch_off);
+  EXPECT_FALSE(detector->calibration()->applied);
+  ASSERT_EQ(obstacles.contacts.size(), without.size());
+  for (std::size_t i = 0; i < without.size(); ++i)
+    EXPECT_EQ(obstacles.contacts[i].p_base, without[i].p_base);
+  EXPECT_TRUE(obstacles.view.T_base_camera.isApprox(stated));
+}
+
+TEST_F(CalibratedDetector, ApplyFindsTheBoxWhereItIsAndSaysWithWhichPose) {
+  drive(CalibrationMode::Apply, statedPose(degree, 0.02));
+  ASSERT_TRUE(detector->calibration()->applied);
+  EXPECT_NEAR(pitchOf(obstacles.view.T_base_camera), 0.42, 0.15 * degree);
+  EXPECT_NEAR(obstacles.view.T_base_camera.translation().z(), 0.45, 0.004);
+  ASSERT_GT(obstacles.contacts.size(), 3U);
+  EXPECT_LT(error(), 0.02);
+  EXPECT_NEAR(detector->grid().height, obstacles.view.T_base_camera.translation().z(), 1e-9);
+}
+
+TEST_F(CalibratedDetector, ANewStatedPoseForgetsWhatWasLearnt) {
+  drive(CalibrationMode::Apply, statedPose(degree, 0.02));
+  detector->setCamera(test::smallCamera(), statedPose(0.0, 0.0));
+  EXPECT_EQ(detector->calibration()->pairs, 0);
+  EXPECT_FALSE(detector->calibration()->applied);
+  EXPECT_NEAR(detector->grid().height, 0.45, 1e-9);
+}
+
+TEST_F(CalibratedDetector, AResetKeepsWhatWasLearnt) {
+  drive(CalibrationMode::Apply, statedPose(degree, 0.02));
+  const int pairs = detector->calibration()->pairs;
+  detector->reset();
+  EXPECT_EQ(detector->calibration()->pairs, pairs);
+  EXPECT_TRUE(detector->calibration()->applied);
+}
+
+}  // namespace
+}  // namespace ipm_mapping::sweep
