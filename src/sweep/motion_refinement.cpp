@@ -41,10 +41,10 @@ double tukeyWeight(double e, double limit) {
 
 }  // namespace
 
-/// Odometry and unchanged brightness as a prior. A heading that is wrong by e since the reference has
-/// also carried the robot x e / 2 sideways; what is left is independent. Wheels slip: distance and
-/// heading have the heavy tails of a Cauchy distribution, so that odometry which contradicts the
-/// floor by far loses its say.
+/// Odometry and unchanged brightness as a prior. A heading that is wrong by e since the reference
+/// has also carried the robot x e / 2 sideways; what is left is independent. Wheels slip: distance
+/// and heading have the heavy tails of a Cauchy distribution, so that odometry which contradicts
+/// the floor by far loses its say.
 struct MotionRefinement::Prior {
   SE2 odometry;
   double sd_forward, sd_sideways, sd_turn, sd_gain, sd_offset;

@@ -51,6 +51,7 @@ void SweepDetector::configure(const CameraPose& T_base_camera) {
   sweep_.configure(grid_, rows, noise_.sweepRows(), parameters_.grid.max_support,
                    parameters_.evidence);
   selection_.configure(sweep_, grid_.height, parameters_.selection);
+  leaning_.configure(parameters_.selection);
   edge_.configure(parameters_.selection);
   ring_.configure(grid_, parameters_.reference);
   current_.image.resize(grid_.rows, grid_.lines);
@@ -102,6 +103,7 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
                     static_cast<float>(parameters_.selection.publish_score), scores_);
     lap("vertical_sweep");
     selection_.select(scores_, choices_);
+    leaning_.refine(view, views_.data(), reference_count_, sweep_, scores_, choices_);
     edge_.refine(view, sweep_, scores_, choices_);
     fillObstacles(obstacles);
     maskFloor();

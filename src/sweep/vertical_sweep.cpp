@@ -12,7 +12,7 @@ constexpr int place_step = 8;        // candidates between exact places
 constexpr double below_view = 1.25;  // candidates reach this far below the image, in r
 constexpr double half_beam = 0.5 * (kernels::beam_lines - 1);
 constexpr double fraction_unit = 32767.0;  // 1/2^15 as a signed number
-constexpr int block_rows = 32;
+constexpr int block_rows = 32, leaning_block_rows = 8;
 constexpr double weight_unit = 256.0;
 
 }  // namespace
@@ -135,26 +135,45 @@ void VerticalSweep::addEvidence(const CurrentView& current, const SweepReference
                               evidence_.data() + (rows.begin - block.begin));
 }
 
+/// Where a candidate's line is found in every reference.
+void VerticalSweep::aimAll(const SweepReference* references, int count, int candidate,
+                           RowRange support) {
+  const auto c = static_cast<std::size_t>(std::clamp(candidate, 0, candidates_ - 1));
+  for (int q = 0; q < count; ++q)
+    aims_[static_cast<std::size_t>(q)] =
+        aim(references[q], places_[static_cast<std::size_t>(q)][c], support);
+}
+
+/// Candidate at whose distance a surface that leans away is met on a row: with d the contact's
+/// distance and r the row's, the height is z = (h - r d) / (1 + r lean), the distance d + lean z.
+int VerticalSweep::leaningCandidate(int candidate, double lean, int row) const {
+  const double ratio = grid_.r(row * PolarGrid::rows_per_sweep_row) / r(candidate);
+  const double rise = (1.0 - ratio) / (1.0 + ratio * r(candidate) * lean);  // z / h
+  const double farther = std::log1p(lean * rise * r(candidate));            // ln of the distances
+  return candidate - static_cast<int>(
+                         std::lround(farther * grid_.rows_per_log / PolarGrid::rows_per_sweep_row));
+}
+
 /// Score of one candidate, block by block upward from the contact. It stops where even the whole
 /// gain that the floor's cost still offers above cannot raise the score: nothing is lost by that.
 float VerticalSweep::scoreOf(const CurrentView& current, const SweepReference* references,
-                             int count, int beam, int candidate, std::int32_t least,
+                             int count, int beam, int candidate, double lean, std::int32_t least,
                              std::int16_t& top) {
   const int contact = first_row_ + candidate;
   const RowRange support = intersection(rows(beam), {contact - support_rows_, contact + 1});
   if (support.size() < 2) return 0.0F;
-  std::array<Aim, max_references> aims;
-  for (int q = 0; q < std::min(count, max_references); ++q)
-    aims[static_cast<std::size_t>(q)] =
-        aim(references[q],
-            places_[static_cast<std::size_t>(q)][static_cast<std::size_t>(candidate)], support);
+  aimAll(references, count, candidate, support);
+  const int step = lean > 0.0 ? leaning_block_rows : block_rows;
   std::int32_t sum = 0, best = 0;
   int best_row = support.end - 1;
-  for (int end = support.end; end > support.begin; end -= block_rows) {
-    const RowRange block{std::max(support.begin, end - block_rows), end};
-    std::fill_n(evidence_.begin(), block_rows, 0);
+  for (int end = support.end; end > support.begin; end -= step) {
+    const RowRange block{std::max(support.begin, end - step), end};
+    if (lean > 0.0)
+      aimAll(references, count, leaningCandidate(candidate, lean, (block.begin + end) / 2),
+             support);
+    std::fill_n(evidence_.begin(), step, 0);
     for (int q = 0; q < count; ++q)
-      addEvidence(current, references[q], aims[static_cast<std::size_t>(q)], beam, block);
+      addEvidence(current, references[q], aims_[static_cast<std::size_t>(q)], beam, block);
     for (int j = block.end - 1; j >= block.begin; --j) {
       sum += evidence_[static_cast<std::size_t>(j - block.begin)];
       if (sum > best) best = sum, best_row = j;
@@ -166,6 +185,19 @@ float VerticalSweep::scoreOf(const CurrentView& current, const SweepReference* r
   }
   top = static_cast<std::int16_t>(best_row);
   return static_cast<float>(best) / static_cast<float>(kernels::cost_unit * count);
+}
+
+void VerticalSweep::aimBeam(const SweepReference* references, int count, int beam) {
+  bound(references, count, beam);
+  for (int q = 0; q < count; ++q)
+    place(references[q].motion, beam, places_[static_cast<std::size_t>(q)]);
+}
+
+float VerticalSweep::leaningScore(const CurrentView& current, const SweepReference* references,
+                                  int count, int beam, int candidate, double lean,
+                                  std::int16_t& top) {
+  return scoreOf(current, references, std::min(count, max_references), beam, candidate, lean, 0,
+                 top);
 }
 
 void VerticalSweep::evaluate(const CurrentView& current, const SweepReference* references,
@@ -186,7 +218,7 @@ void VerticalSweep::evaluate(const CurrentView& current, const SweepReference* r
       place(references[q].motion, beam, places_[static_cast<std::size_t>(q)]);
     for (int c = 0; c < candidates_; ++c)
       if (bound_[static_cast<std::size_t>(first_row_ + c)] >= least)
-        score[c] = scoreOf(current, references, count, beam, c, least, top[c]);
+        score[c] = scoreOf(current, references, count, beam, c, 0.0, least, top[c]);
   }
 }
 

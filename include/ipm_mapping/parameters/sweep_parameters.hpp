@@ -194,6 +194,8 @@ struct SelectionParameters {
   double presence_cost = 2.0;
   double score_cap = 60.0;
   int refine_steps = 4;
+  int lean_reach = 14;
+  double lean_gain = 1.02;
   double edge_score = 20.0;
   double edge_contrast = 12.0;
   int edge_farther = 4;
@@ -226,6 +228,11 @@ struct SelectionParameters {
           "scores of a beam are scaled (not clipped) to at most this");
     field("refine_steps", self.refine_steps, Unit{"candidates"}, Range{0, 64},
           "how far from the smooth solution a beam's own maximum may lie");
+    field("lean_reach", self.lean_reach, Unit{"candidates"}, Range{0, 128},
+          "how far in front of a contact the foot of a surface that leans away is looked for; 0: "
+          "everything stands upright");
+    field("lean_gain", self.lean_gain, Unit{""}, Range{1.0, 10.0},
+          "such a surface has to score this many times the upright one");
     field("edge_score", self.edge_score, Unit{""}, Range{0.0, 1000.0},
           "what the image's edge at an obstacle's foot adds to a candidate at most; 0: not used");
     field("edge_contrast", self.edge_contrast, Unit{"grey levels/row"}, Range{0.1, 255.0},

@@ -10,6 +10,7 @@
 #include "ipm_mapping/sweep/contact_edge.hpp"
 #include "ipm_mapping/sweep/cylindrical_rectification.hpp"
 #include "ipm_mapping/sweep/floor_cost.hpp"
+#include "ipm_mapping/sweep/leaning_surface.hpp"
 #include "ipm_mapping/sweep/motion_refinement.hpp"
 #include "ipm_mapping/sweep/noise_model.hpp"
 #include "ipm_mapping/sweep/reference_ring.hpp"
@@ -88,6 +89,7 @@ class SweepDetector : public Detector {
   SpecularCost specular_;
   VerticalSweep sweep_;
   BearingSelection selection_;
+  LeaningSurface leaning_;
   ContactEdge edge_;
   ReferenceRing ring_;
   BlockLattice lattice_;

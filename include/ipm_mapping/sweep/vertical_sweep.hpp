@@ -42,6 +42,13 @@ class VerticalSweep {
   void evaluate(const CurrentView& current, const SweepReference* references, int count,
                 float least_score, SweepScores& scores);
 
+  /// Prepares leaningScore() for the candidates of one beam.
+  void aimBeam(const SweepReference* references, int count, int beam);
+  /// Score of a surface that stands on the floor at a candidate and leans away from the camera by
+  /// `lean` metres per metre of height.
+  float leaningScore(const CurrentView& current, const SweepReference* references, int count,
+                     int beam, int candidate, double lean, std::int16_t& top);
+
   [[nodiscard]] int beams() const { return beams_; }
   [[nodiscard]] int candidates() const { return candidates_; }
   [[nodiscard]] int firstLine(int beam) const { return beam * beam_step_; }
@@ -72,8 +79,10 @@ class VerticalSweep {
   Aim aim(const SweepReference& reference, const Place& place, RowRange support) const;
   void addEvidence(const CurrentView& current, const SweepReference& reference, const Aim& aim,
                    int beam, RowRange block);
+  void aimAll(const SweepReference* references, int count, int candidate, RowRange support);
+  [[nodiscard]] int leaningCandidate(int candidate, double lean, int row) const;
   float scoreOf(const CurrentView& current, const SweepReference* references, int count, int beam,
-                int candidate, std::int32_t least, std::int16_t& top);
+                int candidate, double lean, std::int32_t least, std::int16_t& top);
 
   PolarGrid grid_;
   int beam_step_ = 1, beams_ = 0, candidates_ = 0, first_row_ = 0, support_rows_ = 0;
@@ -86,6 +95,7 @@ class VerticalSweep {
   std::vector<std::int32_t> evidence_;
   std::vector<std::uint16_t> cost_;
   std::array<std::vector<Place>, max_references> places_;
+  std::array<Aim, max_references> aims_;
 };
 
 }  // namespace ipm_mapping::sweep
