@@ -24,6 +24,7 @@ FloorWarp::FloorWarp(const PolarGrid& grid, const StatedCamera& stated,
     : grid_(grid),
       tilt_(stated.tilt(state)),
       turning_(stated.turning(state)),
+      axes_(stated.axes),
       grid_from_true_(stated.tilt(rectified_with) *
                       (stated.tilt(swayed(sway)) * tilt_).transpose()),
       foot_(stated.foot),
@@ -60,7 +61,7 @@ FloorWarp::Slopes FloorWarp::slopes(const Position& at) const {
     const double dx = scale * dn.x() - px * dn.z() / at.n.z();
     const double dy = scale * dn.y() - py * dn.z() / at.n.z();
     dv.col(k) = Eigen::Vector3d(c_ * dx - s_ * dy, s_ * dx + c_ * dy, 0.0) - back;
-    if (k < 2) dv.col(SwayPitch + k) = -back;
+    if (k < 2) dv.col(SwayPitch + k) = -axes_.col(k).cross(at.v);
   }
   const double X = foot_.x() + px, Y = foot_.y() + py;
   dv.col(LogHeight) << at.v.x() - tx_, at.v.y() - ty_, -height_;

@@ -36,7 +36,7 @@ class FloorWarp {
 
  private:
   const PolarGrid& grid_;
-  Eigen::Matrix3d tilt_, turning_, grid_from_true_;
+  Eigen::Matrix3d tilt_, turning_, axes_, grid_from_true_;
   Eigen::Vector2d foot_;
   double height_, c_, s_, tx_, ty_;
 };
