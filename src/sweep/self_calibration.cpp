@@ -17,8 +17,9 @@ void SelfCalibration::setCamera(const CameraPose& T_base_camera) {
   CalibrationVector sd;
   sd << p.sd_pitch, p.sd_roll, p.sd_yaw, p.sd_height / stated_.height, p.sd_scale, p.sd_turn_scale,
       p.sd_yaw_rate;
-  prior_ = {};
-  prior_.information.diagonal() = sd.cwiseAbs2().cwiseInverse();
+  prior_.information = sd.cwiseAbs2().cwiseInverse().asDiagonal();
+  sd[I::LogHeight] = p.sd_height_wrong / stated_.height;
+  prior_wrong_height_.information = sd.cwiseAbs2().cwiseInverse().asDiagonal();
   forget();
   reset();
 }
@@ -28,6 +29,7 @@ void SelfCalibration::forget() {
   state_.setZero();
   covariance_ = prior_.covariance();
   pairs_ = refused_ = 0;
+  wrong_height_ = false;
 }
 
 void SelfCalibration::configure(const PolarGrid& grid, const std::vector<RowRange>& rows,
@@ -36,10 +38,11 @@ void SelfCalibration::configure(const PolarGrid& grid, const std::vector<RowRang
   pair_.configure(grid, rows, stated_, rectified_with, parameters_, noise_);
 }
 
-/// Short while the views would not overlap under the pitch that is possible.
+/// Short while the views would not overlap under the pitch that is possible, and at the beginning,
+/// when any pair is welcome.
 double SelfCalibration::baseline() const {
   const CalibrationParameters& p = parameters_;
-  const double share = p.sd_pitch / sigma(I::Pitch);
+  const double share = std::min(p.sd_pitch / sigma(I::Pitch), 1.0 + pairs_);
   return stated_.height * std::clamp(p.short_baseline * share, p.short_baseline, p.long_baseline);
 }
 
@@ -52,7 +55,8 @@ bool SelfCalibration::due(const SE2& pose) const {
 }
 
 CalibrationInformation SelfCalibration::known() const {
-  return {prior_.information + learnt_.information, prior_.vector + learnt_.vector};
+  const CalibrationInformation& prior = wrong_height_ ? prior_wrong_height_ : prior_;
+  return {prior.information + learnt_.information, prior.vector + learnt_.vector};
 }
 
 bool SelfCalibration::offer(const RectifiedFrame& current, const ReferenceRing& ring) {
@@ -79,7 +83,7 @@ void SelfCalibration::compare(const FramePair& pair) {
     for (const double height : {-1.0, 0.0, 1.0}) {
       CalibrationVector start = CalibrationVector::Zero();
       start[I::Pitch] = pitch * parameters_.sd_pitch;
-      start[I::LogHeight] = height * parameters_.sd_height / stated_.height;
+      start[I::LogHeight] = height * parameters_.sd_height_wrong / stated_.height;
       const PairEvidence other = pair_.evaluate(pair, known(), start);
       if (other.likeness * other.samples > evidence_.likeness * evidence_.samples)
         evidence_ = other;
@@ -91,10 +95,19 @@ void SelfCalibration::learn() {
   const double kept = 1.0 - 1.0 / parameters_.memory;
   learnt_.information = kept * learnt_.information + evidence_.about.information;
   learnt_.vector = kept * learnt_.vector + evidence_.about.vector;
+  judgeHeight();
   const CalibrationInformation all = known();
   state_ = all.mean();
   covariance_ = all.covariance();
   ++pairs_;
+}
+
+/// With some reluctance to change the mind.
+void SelfCalibration::judgeHeight() {
+  const CalibrationInformation right{prior_.information + learnt_.information,
+                                     prior_.vector + learnt_.vector};
+  const double limit = parameters_.scale_limit * (wrong_height_ ? 0.8 : 1.0);
+  wrong_height_ = std::abs(right.mean()[I::LogScale]) > limit;
 }
 
 double SelfCalibration::ratioSigma() const {
@@ -104,12 +117,13 @@ double SelfCalibration::ratioSigma() const {
   return std::sqrt(std::max(0.0, variance));
 }
 
-bool SelfCalibration::believable() const {
+bool SelfCalibration::bounded() const {
   const double height = stated_.height * std::expm1(state_[I::LogHeight]);
-  return pairs_ >= parameters_.least_pairs &&
-         state_.head<3>().cwiseAbs().maxCoeff() <= parameters_.max_tilt &&
+  return state_.head<3>().cwiseAbs().maxCoeff() <= parameters_.max_tilt &&
          std::abs(height) <= parameters_.max_height;
 }
+
+bool SelfCalibration::believable() const { return pairs_ >= parameters_.least_pairs && bounded(); }
 
 bool SelfCalibration::confident() const {
   return believable() && sigma(I::Pitch) <= parameters_.confident_tilt &&
@@ -117,12 +131,15 @@ bool SelfCalibration::confident() const {
 }
 
 bool SelfCalibration::worthApplying() const {
-  if (!confident()) return false;
+  const CalibrationParameters& p = parameters_;
+  if (pairs_ == 0 || !bounded()) return false;
   const CalibrationVector change = (state_ - rectified_with_).cwiseAbs();
-  const double height = stated_.height * change[I::LogHeight];
-  return change[I::Pitch] > std::max(parameters_.apply_tilt, sigma(I::Pitch)) ||
-         change[I::Roll] > std::max(parameters_.apply_tilt, sigma(I::Roll)) ||
-         height > std::max(parameters_.apply_height, stated_.height * ratioSigma());
+  const double sigmas = confident() ? 1.0 : p.early_sigmas;
+  const double pitch = sigmas * sigma(I::Pitch), roll = sigmas * sigma(I::Roll);
+  const double height = stated_.height * sigmas * ratioSigma();
+  return change[I::Pitch] > std::max(p.apply_tilt, pitch) ||
+         change[I::Roll] > std::max(p.apply_tilt, roll) ||
+         stated_.height * change[I::LogHeight] > std::max(p.apply_height, height);
 }
 
 CalibrationReport SelfCalibration::report() const {

@@ -16,8 +16,10 @@ struct CalibrationParameters {
   double sd_pitch = 0.035;
   double sd_roll = 0.01;
   double sd_yaw = 0.005;
-  double sd_height = 0.06;
+  double sd_height = 0.005;
+  double sd_height_wrong = 0.06;
   double sd_scale = 0.02;
+  double scale_limit = 0.025;
   double sd_turn_scale = 0.02;
   double sd_yaw_rate = 0.01;
   double sd_sway = 0.001;
@@ -27,7 +29,7 @@ struct CalibrationParameters {
   double max_tilt = 0.07;
   double max_height = 0.12;
   double spacing = 0.333;
-  double settled_spacing = 1.0;
+  double settled_spacing = 1.5;
   double short_baseline = 0.15;
   double long_baseline = 0.667;
   double farthest = 4.5;
@@ -39,8 +41,9 @@ struct CalibrationParameters {
   double correlation = 0.1;
   double memory = 200.0;
   int least_pairs = 4;
-  double confident_tilt = 0.0015;
-  double confident_height = 0.012;
+  double confident_tilt = 0.002;
+  double confident_height = 0.015;
+  double early_sigmas = 3.0;
   double apply_tilt = 0.001;
   double apply_height = 0.002;
   double warn_tilt = 0.0052;
@@ -58,10 +61,16 @@ struct CalibrationParameters {
     field("sd_roll", self.sd_roll, Unit{"rad"}, Range{1e-6, 0.5}, "the same of the roll");
     field("sd_yaw", self.sd_yaw, Unit{"rad"}, Range{1e-6, 0.5},
           "the same of the camera's heading on the robot");
-    field("sd_height", self.sd_height, Unit{"m"}, Range{1e-6, 1.0}, "the same of the height");
+    field("sd_height", self.sd_height, Unit{"m"}, Range{1e-6, 1.0},
+          "how well the stated height was measured, unless it is wrong");
+    field("sd_height_wrong", self.sd_height_wrong, Unit{"m"}, Range{1e-6, 1.0},
+          "how far off it is expected to be if it is wrong");
     field("sd_scale", self.sd_scale, Unit{""}, Range{1e-6, 0.5},
-          "the same of the odometry's scale: the floor shows height over distance driven only, and "
-          "what is off is shared out by sd_height and this");
+          "how far off odometry's scale is expected to be: the floor shows height over way only, "
+          "and what is off is shared out by these");
+    field("scale_limit", self.scale_limit, Unit{""}, Range{0.0, 0.5},
+          "the stated height is held to be wrong when odometry's scale had to be off by more than "
+          "this to make up for it");
     field("sd_turn_scale", self.sd_turn_scale, Unit{"rad/rad"}, Range{1e-6, 0.5},
           "odometry's heading error expected per radian turned");
     field("sd_yaw_rate", self.sd_yaw_rate, Unit{"rad/s"}, Range{1e-6, 0.5},
@@ -104,8 +113,10 @@ struct CalibrationParameters {
           "an estimate is applied when the pitch is known this well (one sigma)");
     field("confident_height", self.confident_height, Unit{""}, Range{0.0, 0.5},
           "the same of height over distance driven");
+    field("early_sigmas", self.early_sigmas, Unit{"sigma"}, Range{0.0, 100.0},
+          "or, less well known, when it is this far from what is in force");
     field("apply_tilt", self.apply_tilt, Unit{"rad"}, Range{0.0, 0.1},
-          "and differs this much from the pitch or roll in force");
+          "in either case it has to differ this much from the pitch or roll in force");
     field("apply_height", self.apply_height, Unit{"m"}, Range{0.0, 0.5},
           "or this much from the height in force");
     field("warn_tilt", self.warn_tilt, Unit{"rad"}, Range{0.0, 0.5},

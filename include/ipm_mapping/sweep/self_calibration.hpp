@@ -13,8 +13,9 @@ namespace ipm_mapping::sweep {
 /// floor moves between frames: an information filter over pairs of frames, a new one every
 /// `spacing` of way. The prior never fades, evidence does.
 ///
-/// The floor shows the way only in camera heights: what is wrong with height over way is shared out
-/// between height and odometry's scale by their priors.
+/// The floor shows the way only in camera heights. Either the stated height is right, and
+/// odometry's scale makes up for what is off, or, when the scale had to be off by more than
+/// `scale_limit`, the height is held to be wrong, and odometry is trusted to `sd_scale`.
 class SelfCalibration {
  public:
   SelfCalibration(const CalibrationParameters& parameters, const MotionRefinementParameters& noise)
@@ -57,10 +58,12 @@ class SelfCalibration {
 
  private:
   [[nodiscard]] double baseline() const;
+  [[nodiscard]] bool bounded() const;
   [[nodiscard]] bool due(const SE2& T_odom_base) const;
   [[nodiscard]] CalibrationInformation known() const;
   void compare(const FramePair& pair);
   void learn();
+  void judgeHeight();
   void forget();
 
   CalibrationParameters parameters_;
@@ -69,7 +72,8 @@ class SelfCalibration {
   StatedCamera stated_;
   FloorPair pair_;
   CalibrationVector rectified_with_ = CalibrationVector::Zero();
-  CalibrationInformation prior_, learnt_;
+  CalibrationInformation prior_, prior_wrong_height_, learnt_;
+  bool wrong_height_ = false;
   CalibrationVector state_ = CalibrationVector::Zero();
   CalibrationMatrix covariance_ = CalibrationMatrix::Identity();
   int pairs_ = 0, refused_ = 0;
