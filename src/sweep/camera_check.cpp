@@ -4,6 +4,11 @@
 #include <utility>
 
 namespace ipm_mapping::sweep {
+namespace {
+
+constexpr double farthest_floor = 1.5;  // pixels
+
+}  // namespace
 
 CameraCheck::CameraCheck(const SweepParameters& sweep, const CalibrationParameters& calibration)
     : parameters_(sweep), calibration_(calibration, sweep.refinement) {}
@@ -59,11 +64,20 @@ std::vector<PatchShift> CameraCheck::shiftsWith(const CalibrationVector& state) 
   return floorRegistration(pair, calibration_.floor(), alignment, camera_, T_base_camera_);
 }
 
+/// Patches that the estimate brings home are floor; the others stand on it.
 void CameraCheck::measure(GrayView raw) {
-  std::vector<PatchShift> stated = shiftsWith(CalibrationVector::Zero());
-  std::vector<PatchShift> estimated = shiftsWith(calibration_.state());
-  for (const PatchShift& s : stated) stated_errors_.push_back(s.shift.norm());
-  for (const PatchShift& s : estimated) estimated_errors_.push_back(s.shift.norm());
+  std::vector<PatchShift> stated, estimated;
+  const std::vector<PatchShift> all_stated = shiftsWith(CalibrationVector::Zero());
+  for (const PatchShift& after : shiftsWith(calibration_.state())) {
+    if (after.shift.norm() > farthest_floor) continue;
+    for (const PatchShift& before : all_stated) {
+      if (before.pixel != after.pixel) continue;
+      stated.push_back(before);
+      estimated.push_back(after);
+      stated_errors_.push_back(before.shift.norm());
+      estimated_errors_.push_back(after.shift.norm());
+    }
+  }
   if (!view_.picture.empty() && estimated.size() <= view_.estimated.size()) return;
   view_.picture.ensure(raw.width, raw.height);
   for (int v = 0; v < raw.height; ++v) std::copy_n(raw.row(v), raw.width, view_.picture.row(v));

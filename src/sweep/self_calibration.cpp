@@ -15,17 +15,18 @@ void SelfCalibration::setCamera(const CameraPose& T_base_camera) {
   T_base_camera_ = T_base_camera;
   const CalibrationParameters& p = parameters_;
   CalibrationVector sd;
-  sd << p.sd_pitch, p.sd_roll, p.sd_yaw, p.sd_height / stated_.height, p.sd_scale, p.sd_turn_scale,
-      p.sd_yaw_rate;
+  sd << p.sd_pitch, p.sd_roll, p.sd_yaw, p.sd_height_wrong / stated_.height, p.sd_scale,
+      p.sd_turn_scale, p.sd_yaw_rate;
   prior_.information = sd.cwiseAbs2().cwiseInverse().asDiagonal();
-  sd[I::LogHeight] = p.sd_height_wrong / stated_.height;
-  prior_wrong_height_.information = sd.cwiseAbs2().cwiseInverse().asDiagonal();
+  sd[I::LogHeight] = p.sd_height / stated_.height;
+  prior_right_height_.information = sd.cwiseAbs2().cwiseInverse().asDiagonal();
   forget();
   reset();
 }
 
 void SelfCalibration::forget() {
   learnt_ = {};
+  aligned_.setZero();
   state_.setZero();
   covariance_ = prior_.covariance();
   pairs_ = refused_ = 0;
@@ -55,8 +56,7 @@ bool SelfCalibration::due(const SE2& pose) const {
 }
 
 CalibrationInformation SelfCalibration::known() const {
-  const CalibrationInformation& prior = wrong_height_ ? prior_wrong_height_ : prior_;
-  return {prior.information + learnt_.information, prior.vector + learnt_.vector};
+  return {prior_.information + learnt_.information, prior_.vector + learnt_.vector};
 }
 
 bool SelfCalibration::offer(const RectifiedFrame& current, const ReferenceRing& ring) {
@@ -77,7 +77,7 @@ bool SelfCalibration::offer(const RectifiedFrame& current, const ReferenceRing& 
 
 /// The first pair of all is aligned from several starts: the views may lie pixels apart.
 void SelfCalibration::compare(const FramePair& pair) {
-  evidence_ = pair_.evaluate(pair, known(), state_);
+  evidence_ = pair_.evaluate(pair, known(), aligned_);
   if (pairs_ > 0) return;
   for (const double pitch : {-1.0, 0.0, 1.0}) {
     for (const double height : {-1.0, 0.0, 1.0}) {
@@ -95,19 +95,23 @@ void SelfCalibration::learn() {
   const double kept = 1.0 - 1.0 / parameters_.memory;
   learnt_.information = kept * learnt_.information + evidence_.about.information;
   learnt_.vector = kept * learnt_.vector + evidence_.about.vector;
-  judgeHeight();
-  const CalibrationInformation all = known();
+  CalibrationInformation all = known();
+  aligned_ = all.mean();
+  wrong_height_ = heightIsWrong(all);
+  if (!wrong_height_) all.information += prior_right_height_.information - prior_.information;
   state_ = all.mean();
   covariance_ = all.covariance();
   ++pairs_;
 }
 
 /// With some reluctance to change the mind.
-void SelfCalibration::judgeHeight() {
-  const CalibrationInformation right{prior_.information + learnt_.information,
-                                     prior_.vector + learnt_.vector};
-  const double limit = parameters_.scale_limit * (wrong_height_ ? 0.8 : 1.0);
-  wrong_height_ = std::abs(right.mean()[I::LogScale]) > limit;
+bool SelfCalibration::heightIsWrong(const CalibrationInformation& known) const {
+  const CalibrationMatrix P = known.covariance();
+  const double ratio = std::abs(aligned_[I::LogHeight] - aligned_[I::LogScale]);
+  const double variance = P(I::LogHeight, I::LogHeight) + P(I::LogScale, I::LogScale) -
+                          2.0 * P(I::LogHeight, I::LogScale);
+  const double limit = parameters_.sd_scale + std::sqrt(std::max(0.0, variance));
+  return ratio > (wrong_height_ ? 0.8 : 1.0) * limit;
 }
 
 double SelfCalibration::ratioSigma() const {

@@ -52,6 +52,7 @@ void SweepDetector::configure(const CameraPose& T_base_camera) {
                    parameters_.evidence);
   selection_.configure(sweep_, grid_.height, parameters_.selection);
   leaning_.configure(parameters_.selection);
+  free_floor_.configure(parameters_.selection);
   edge_.configure(parameters_.selection);
   ring_.configure(grid_, parameters_.reference);
   current_.image.resize(grid_.rows, grid_.lines);
@@ -70,6 +71,7 @@ void SweepDetector::reset() {
   ring_.clear();
   refinement_.forgetFloor();
   calibration_.reset();
+  free_floor_.reset();
   seen_any_ = false;
 }
 

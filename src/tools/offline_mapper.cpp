@@ -28,6 +28,7 @@ using namespace ipm_mapping;
 struct Arguments : BagArguments {
   std::string out;
   std::string truth;
+  int overlays = 0;
   bool fpga = false;
 
   void declareAll(CLI::App& app) {
@@ -36,6 +37,8 @@ struct Arguments : BagArguments {
     declare(app);
     app.add_flag("--fpga", fpga, "let the bit-true FPGA model find the obstacles");
     app.add_option("--truth", truth, "truth.json of a rendered scene, drawn into map.png");
+    app.add_option("--overlays", overlays, "draw every N-th used frame into overlays/NNNNNN.png")
+        ->check(CLI::PositiveNumber);
   }
   void settleAll() {
     settle();
@@ -97,6 +100,25 @@ class OverlayFrame {
  private:
   Obstacles obstacles_;
   Image<std::uint8_t> picture_;
+};
+
+/// A film of the run: every N-th used frame, named after its number in the bag.
+class OverlaySeries {
+ public:
+  OverlaySeries(const std::string& out, int every) : folder_(out + "/overlays"), every_(every) {
+    if (every_ > 0) std::filesystem::create_directories(folder_);
+  }
+  void offer(const Obstacles& obstacles, GrayView raw) {
+    if (every_ == 0 || used_++ % every_ != 0) return;
+    char name[32];
+    std::snprintf(name, sizeof name, "/%06llu.png",
+                  static_cast<unsigned long long>(obstacles.frame));
+    writePicture(folder_ + name, drawOverlay(raw, obstacles));
+  }
+
+ private:
+  std::string folder_;
+  int every_, used_ = 0;
 };
 
 /// Outlines of a truth.json.
@@ -166,12 +188,14 @@ void runOn(Arguments& a) {
   RunFiles files(a.out);
   OfflineRun run(bag, camera, a.options.parameters);
   OverlayFrame overlay;
+  OverlaySeries series(a.out, a.overlays);
   FpgaFiles fpga_files(a, run.detector());
   OfflineRun::Observers observers;
   observers.used = [&](const Obstacles& obstacles, GrayView raw) {
     files.add(obstacles);
     fpga_files.add();
     overlay.offer(obstacles, raw);
+    series.offer(obstacles, raw);
   };
   observers.progress = showProgress;
   run.run(observers);

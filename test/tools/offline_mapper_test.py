@@ -106,6 +106,7 @@ class OfflineMapper(unittest.TestCase):
                              self.pose)
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(result.stderr, "", "silent when it is not a terminal")
+        self.assertFalse(os.path.exists(os.path.join(self.out, "overlays")))
         for name in ("map.pgm", "map.yaml", "map.png", "overlay.png"):
             self.assertGreater(os.path.getsize(os.path.join(self.out, name)), 0, name)
         with open(os.path.join(self.out, "report.json"), encoding="utf-8") as file:
@@ -131,6 +132,20 @@ class OfflineMapper(unittest.TestCase):
         # The wall stands at x = 1.6 m in the odometry frame.
         distance = sorted(abs(float(row["x_odom"]) - 1.6) for row in points)
         self.assertLess(distance[len(distance) // 2], 0.02)
+
+    def test_overlays_of_every_third_used_frame(self):
+        write_bag(self.bag, info=True)
+        result = self.run_it(self.bag, "--out", self.out, self.pose, "--overlays", "3")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        with open(os.path.join(self.out, "obstacles.csv"), encoding="ascii") as file:
+            used = sorted({int(row["frame"]) for row in csv.DictReader(file)})
+        wanted = ["%06d.png" % frame for frame in used[::3]]
+        self.assertGreater(len(wanted), 1)
+        folder = os.path.join(self.out, "overlays")
+        self.assertEqual(sorted(os.listdir(folder)), wanted)
+        pictures = {open(os.path.join(folder, name), "rb").read() for name in wanted}
+        self.assertEqual(len(pictures), len(wanted), "each shows a frame of its own")
+        self.refused(2, "--overlays", self.bag, "--out", self.out, "--overlays", "0")
 
     def test_a_robot_that_stands_is_no_error(self):
         write_bag(self.bag, info=True, still=True)

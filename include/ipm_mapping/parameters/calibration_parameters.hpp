@@ -19,7 +19,6 @@ struct CalibrationParameters {
   double sd_height = 0.005;
   double sd_height_wrong = 0.06;
   double sd_scale = 0.02;
-  double scale_limit = 0.025;
   double sd_turn_scale = 0.02;
   double sd_yaw_rate = 0.01;
   double sd_sway = 0.001;
@@ -65,12 +64,10 @@ struct CalibrationParameters {
           "how well the stated height was measured, unless it is wrong");
     field("sd_height_wrong", self.sd_height_wrong, Unit{"m"}, Range{1e-6, 1.0},
           "how far off it is expected to be if it is wrong");
-    field("sd_scale", self.sd_scale, Unit{""}, Range{1e-6, 0.5},
-          "how far off odometry's scale is expected to be: the floor shows height over way only, "
-          "and what is off is shared out by these");
-    field("scale_limit", self.scale_limit, Unit{""}, Range{0.0, 0.5},
-          "the stated height is held to be wrong when odometry's scale had to be off by more than "
-          "this to make up for it");
+    field(
+        "sd_scale", self.sd_scale, Unit{""}, Range{1e-6, 0.5},
+        "how far off odometry's scale may be: the floor shows height over way only, and the stated "
+        "height is held to be wrong when this does not make up for what is off");
     field("sd_turn_scale", self.sd_turn_scale, Unit{"rad/rad"}, Range{1e-6, 0.5},
           "odometry's heading error expected per radian turned");
     field("sd_yaw_rate", self.sd_yaw_rate, Unit{"rad/s"}, Range{1e-6, 0.5},

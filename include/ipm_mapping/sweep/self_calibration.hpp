@@ -14,8 +14,9 @@ namespace ipm_mapping::sweep {
 /// `spacing` of way. The prior never fades, evidence does.
 ///
 /// The floor shows the way only in camera heights. Either the stated height is right, and
-/// odometry's scale makes up for what is off, or, when the scale had to be off by more than
-/// `scale_limit`, the height is held to be wrong, and odometry is trusted to `sd_scale`.
+/// odometry's scale makes up for what is off, or, when that had to be more than `sd_scale`, the
+/// height is held to be wrong, and odometry is trusted to `sd_scale`. Frames are aligned without
+/// that judgement.
 class SelfCalibration {
  public:
   SelfCalibration(const CalibrationParameters& parameters, const MotionRefinementParameters& noise)
@@ -61,9 +62,9 @@ class SelfCalibration {
   [[nodiscard]] bool bounded() const;
   [[nodiscard]] bool due(const SE2& T_odom_base) const;
   [[nodiscard]] CalibrationInformation known() const;
+  [[nodiscard]] bool heightIsWrong(const CalibrationInformation& known) const;
   void compare(const FramePair& pair);
   void learn();
-  void judgeHeight();
   void forget();
 
   CalibrationParameters parameters_;
@@ -72,8 +73,9 @@ class SelfCalibration {
   StatedCamera stated_;
   FloorPair pair_;
   CalibrationVector rectified_with_ = CalibrationVector::Zero();
-  CalibrationInformation prior_, prior_wrong_height_, learnt_;
+  CalibrationInformation prior_, prior_right_height_, learnt_;
   bool wrong_height_ = false;
+  CalibrationVector aligned_ = CalibrationVector::Zero();  ///< without judging the height
   CalibrationVector state_ = CalibrationVector::Zero();
   CalibrationMatrix covariance_ = CalibrationMatrix::Identity();
   int pairs_ = 0, refused_ = 0;

@@ -10,6 +10,7 @@
 #include "ipm_mapping/sweep/contact_edge.hpp"
 #include "ipm_mapping/sweep/cylindrical_rectification.hpp"
 #include "ipm_mapping/sweep/floor_cost.hpp"
+#include "ipm_mapping/sweep/free_floor.hpp"
 #include "ipm_mapping/sweep/leaning_surface.hpp"
 #include "ipm_mapping/sweep/motion_refinement.hpp"
 #include "ipm_mapping/sweep/noise_model.hpp"
@@ -61,7 +62,6 @@ class SweepDetector : public Detector {
                       Planes& planes);
   void fillView(const Frame& frame, Obstacles& obstacles) const;
   void fillObstacles(Obstacles& obstacles);
-  void limitFree(Obstacles& obstacles) const;
   void fillCandidates(Obstacles& obstacles) const;
   Contact contactOf(int beam, const BeamChoice& choice) const;
   /// How far the floor of a beam reaches for one reference, and what its near end costs.
@@ -91,6 +91,7 @@ class SweepDetector : public Detector {
   BearingSelection selection_;
   LeaningSurface leaning_;
   ContactEdge edge_;
+  FreeFloor free_floor_;
   ReferenceRing ring_;
   BlockLattice lattice_;
 
