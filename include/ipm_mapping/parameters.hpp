@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "ipm_mapping/parameters/birds_eye_parameters.hpp"
+#include "ipm_mapping/parameters/calibration_parameters.hpp"
 #include "ipm_mapping/parameters/chain_parameters.hpp"
 #include "ipm_mapping/parameters/fpga_parameters.hpp"
 #include "ipm_mapping/parameters/map_parameters.hpp"
@@ -42,6 +43,7 @@ struct Parameters {
   LocalizationParameters localization;
   BirdsEyeParameters birds_eye;
   sweep::SweepParameters sweep;
+  CalibrationParameters calibration;
   FpgaParameters fpga;
   FpgaClockParameters fpga_clock;
   MapParameters map;
@@ -58,6 +60,7 @@ struct Parameters {
     group("localization", self.localization);
     group("birds_eye", self.birds_eye);
     group("sweep", self.sweep);
+    group("calibration", self.calibration);
     group("fpga", self.fpga);
     group("fpga_clock", self.fpga_clock);
     group("map", self.map);

@@ -3,6 +3,7 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "ipm_mapping/detectors/pipeline.hpp"
+#include "ipm_mapping/ros/calibration_diagnostics.hpp"
 #include "ipm_mapping/ros/detector_pictures.hpp"
 #include "ipm_mapping/ros/frame_source.hpp"
 #include "ipm_mapping/ros/live_parameters.hpp"
@@ -70,6 +71,7 @@ class Detect : public StageNodelet {
     }
     monitor().set("contacts", static_cast<double>(obstacles_.contacts.size()));
     monitor().set("separability", obstacles_.separability);
+    if (const auto calibration = detector_->calibration()) showCalibration(*calibration, monitor());
     return status;
   }
 

@@ -84,18 +84,6 @@ void writePicture(const std::string& path, const cv::Mat& picture) {
   if (!cv::imwrite(path, picture)) throw std::runtime_error("cannot write '" + path + "'");
 }
 
-/// An input that gave nothing to work on is an error; a robot that never moved is not.
-void requireImages(const RunReport& report) {
-  if (report.images == 0) throw BagError("the image topic has no messages");
-  if (report.unusable_images == report.images) throw BagError(report.first_refusal);
-  const auto status = [&](FrameStatus s) { return report.frames[static_cast<std::size_t>(s)]; };
-  if (status(FrameStatus::SizeMismatch) > 0 && report.used() == 0)
-    throw BagError(
-        "images are not of the calibrated size; give the right calibration with "
-        "--camera-info FILE.yaml");
-  if (report.odometry.empty()) throw BagError("the odometry topic has no messages");
-}
-
 /// The most telling frame of the run: the one with the most contacts.
 class OverlayFrame {
  public:

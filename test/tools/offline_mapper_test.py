@@ -50,7 +50,7 @@ def floor_picture(x):
 
 
 def write_bag(path, images=True, odometry=True, info=False, encoding="mono8", frames=12, fx=FOCAL,
-              still=False):
+              still=False, picture=floor_picture):
     """A robot that drives at 0.25 m/s; 10 pictures a second, odometry at 50 Hz."""
     with rosbag.Bag(path, "w") as bag:
         for k in range(5 * frames - 2):
@@ -64,13 +64,13 @@ def write_bag(path, images=True, odometry=True, info=False, encoding="mono8", fr
                 message.pose.pose.orientation.w = 1.0
                 bag.write("/odom", message, t)
             if images and k % 5 == 0:
-                picture = Image(height=HEIGHT, width=WIDTH, encoding=encoding, step=WIDTH)
-                picture.header.stamp, picture.header.frame_id = t, "camera"
-                picture.data = floor_picture(x).tobytes()
-                bag.write("/camera/rgb/image_raw", picture, t)
+                image = Image(height=HEIGHT, width=WIDTH, encoding=encoding, step=WIDTH)
+                image.header.stamp, image.header.frame_id = t, "camera"
+                image.data = picture(x).tobytes()
+                bag.write("/camera/rgb/image_raw", image, t)
                 if info:
                     k_matrix = [fx, 0, 159.5, 0, FOCAL, 119.5, 0, 0, 1]
-                    calibration = CameraInfo(header=picture.header, height=HEIGHT, width=WIDTH,
+                    calibration = CameraInfo(header=image.header, height=HEIGHT, width=WIDTH,
                                              distortion_model="plumb_bob", D=[0.0] * 5, K=k_matrix)
                     bag.write("/camera/rgb/camera_info", calibration, t)
 
