@@ -27,9 +27,10 @@ struct RefinedMotion {
   SE2 motion;  ///< pose of the current base in the reference's
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of x, y, theta
   Photometric photometric;
-  double sigma = 0.0;    ///< robust spread of the floor's residual, grey levels
-  int samples = 0;       ///< floor pixels that both frames see
-  bool refined = false;  ///< false: too little floor, the motion is odometry's
+  double sigma = 0.0;            ///< robust spread of the floor's residual, grey levels
+  int samples = 0;               ///< floor pixels that both frames see
+  bool refined = false;          ///< false: too little floor, the motion is odometry's
+  double reference_stamp = 0.0;  ///< seconds: of the frame that the motion starts from
 };
 
 /// Aligns the floor of two frames: Gauss-Newton over (x, y, theta, gain, offset) on high-passed
