@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "ipm_mapping/parameters/birds_eye_parameters.hpp"
+#include "ipm_mapping/parameters/calibration_parameters.hpp"
 #include "ipm_mapping/parameters/chain_parameters.hpp"
 #include "ipm_mapping/parameters/floor_odometry_parameters.hpp"
 #include "ipm_mapping/parameters/fpga_parameters.hpp"
@@ -44,6 +45,7 @@ struct Parameters {
   LocalizationParameters localization;
   BirdsEyeParameters birds_eye;
   sweep::SweepParameters sweep;
+  CalibrationParameters calibration;
   FloorOdometryParameters floor_odometry;
   FpgaParameters fpga;
   FpgaClockParameters fpga_clock;
@@ -62,6 +64,7 @@ struct Parameters {
     group("localization", self.localization);
     group("birds_eye", self.birds_eye);
     group("sweep", self.sweep);
+    group("calibration", self.calibration);
     group("floor_odometry", self.floor_odometry);
     group("fpga", self.fpga);
     group("fpga_clock", self.fpga_clock);

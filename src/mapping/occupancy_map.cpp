@@ -94,6 +94,15 @@ bool OccupancyMap::include(const Eigen::Vector2d& point) {
   return true;
 }
 
+void OccupancyMap::restore(const OccupancyMap& other) {
+  const std::uint64_t revision = geometry_.revision + 1;
+  geometry_ = other.geometry_;
+  geometry_.revision = revision;
+  log_odds_ = other.log_odds_;
+  pending_.assign(log_odds_.size(), no_change);
+  changed_ = stored();
+}
+
 void OccupancyMap::clear() {
   geometry_.width = geometry_.height = 0;
   geometry_.first = {};

@@ -4,6 +4,7 @@
 
 #include "ipm_mapping/detectors/contact_memory.hpp"
 #include "ipm_mapping/detectors/pipeline.hpp"
+#include "ipm_mapping/ros/calibration_diagnostics.hpp"
 #include "ipm_mapping/ros/detector_pictures.hpp"
 #include "ipm_mapping/ros/frame_source.hpp"
 #include "ipm_mapping/ros/live_parameters.hpp"
@@ -86,6 +87,7 @@ class Detect : public StageNodelet {
     }
     monitor().set("contacts", static_cast<double>(obstacles_.contacts.size()));
     monitor().set("separability", obstacles_.separability);
+    if (const auto calibration = detector_->calibration()) showCalibration(*calibration, monitor());
     return status;
   }
 

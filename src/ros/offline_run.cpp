@@ -84,6 +84,17 @@ void RunReport::addStage(const char* stage, double seconds) {
   stages.emplace_back(stage, StageStatistics{{seconds}});
 }
 
+void requireImages(const RunReport& report) {
+  if (report.images == 0) throw BagError("the image topic has no messages");
+  if (report.unusable_images == report.images) throw BagError(report.first_refusal);
+  const auto status = [&](FrameStatus s) { return report.frames[static_cast<std::size_t>(s)]; };
+  if (status(FrameStatus::SizeMismatch) > 0 && report.used() == 0)
+    throw BagError(
+        "images are not of the calibrated size; give the right calibration with "
+        "--camera-info FILE.yaml");
+  if (report.odometry.empty()) throw BagError("the odometry topic has no messages");
+}
+
 OfflineRun::OfflineRun(const BagSource& bag, const RunCamera& camera, const Parameters& parameters)
     : bag_(bag),
       parameters_(parameters),

@@ -14,6 +14,8 @@ constexpr double half_beam = 0.5 * (kernels::beam_lines - 1);
 constexpr double fraction_unit = 32767.0;  // 1/2^15 as a signed number
 constexpr int block_rows = 32, leaning_block_rows = 8;
 constexpr double weight_unit = 256.0;
+constexpr int peak_reach = 6;       // candidates around a step that a maximum is compared with
+constexpr float peak_share = 0.5F;  // of that maximum
 
 }  // namespace
 
@@ -28,6 +30,7 @@ void VerticalSweep::configure(const PolarGrid& grid, const std::vector<RowRange>
                               const EvidenceParameters& p) {
   grid_ = grid;
   beam_step_ = p.beam_step;
+  search_step_ = p.search_step;
   const double sweep_rows_per_log = grid.rows_per_log / PolarGrid::rows_per_sweep_row;
   support_rows_ = static_cast<int>(std::lround(-std::log(1.0 - max_support) * sweep_rows_per_log));
   first_row_ = std::min(support_rows_, grid.sweepRows());
@@ -48,6 +51,8 @@ void VerticalSweep::configure(const PolarGrid& grid, const std::vector<RowRange>
         std::lround(weight_unit * p.evidence_rows * grid.r(j * PolarGrid::rows_per_sweep_row) /
                     sweep_rows_per_log)));
   bound_.resize(static_cast<std::size_t>(last_row + 1));
+  row_r_.clear();
+  for (int j = 0; j <= last_row; ++j) row_r_.push_back(grid.r(j * PolarGrid::rows_per_sweep_row));
   potential_.resize(bound_.size());
   evidence_.resize(static_cast<std::size_t>(block_rows + kernels::overrun));
   cost_.resize(evidence_.size());
@@ -195,9 +200,40 @@ void VerticalSweep::aimBeam(const SweepReference* references, int count, int bea
 
 float VerticalSweep::leaningScore(const CurrentView& current, const SweepReference* references,
                                   int count, int beam, int candidate, double lean,
-                                  std::int16_t& top) {
-  return scoreOf(current, references, std::min(count, max_references), beam, candidate, lean, 0,
-                 top);
+                                  float least_score, std::int16_t& top) {
+  count = std::min(count, max_references);
+  const auto least =
+      static_cast<std::int32_t>(least_score * static_cast<float>(kernels::cost_unit * count));
+  return scoreOf(current, references, count, beam, candidate, lean, least, top);
+}
+
+/// Scores of one beam. Maxima are wider than search_step: between two evaluated candidates only the
+/// neighbourhood of a maximum is evaluated too, the rest lies on a straight line.
+void VerticalSweep::evaluateBeam(const CurrentView& current, const SweepReference* references,
+                                 int count, int beam, std::int32_t least, float* score,
+                                 std::int16_t* top) {
+  const auto exact = [&](int c) {
+    if (bound_[static_cast<std::size_t>(first_row_ + c)] >= least)
+      score[c] = scoreOf(current, references, count, beam, c, 0.0, least, top[c]);
+  };
+  for (int c = 0; c < candidates_; c += search_step_) exact(c);
+  for (int c = search_step_; search_step_ > 1 && c < candidates_; c += search_step_) {
+    const int before = c - search_step_;
+    const float ends = std::max(score[before], score[c]);
+    if (ends <= 0.0F) continue;
+    const int from = std::max(0, before - peak_reach);
+    const int to = std::min(candidates_, c + peak_reach + 1);
+    const bool near_peak = ends >= peak_share * *std::max_element(score + from, score + to);
+    for (int k = before + 1; k < c; ++k) {
+      if (near_peak) {
+        exact(k);
+        continue;
+      }
+      const auto t = static_cast<float>(k - before) / static_cast<float>(search_step_);
+      score[k] = score[before] + t * (score[c] - score[before]);
+      top[k] = score[before] > score[c] ? top[before] : top[c];
+    }
+  }
 }
 
 void VerticalSweep::evaluate(const CurrentView& current, const SweepReference* references,
@@ -216,9 +252,7 @@ void VerticalSweep::evaluate(const CurrentView& current, const SweepReference* r
     if (*std::max_element(bound_.begin(), bound_.end()) < least) continue;
     for (int q = 0; q < count; ++q)
       place(references[q].motion, beam, places_[static_cast<std::size_t>(q)]);
-    for (int c = 0; c < candidates_; ++c)
-      if (bound_[static_cast<std::size_t>(first_row_ + c)] >= least)
-        score[c] = scoreOf(current, references, count, beam, c, 0.0, least, top[c]);
+    evaluateBeam(current, references, count, beam, least, score, top);
   }
 }
 

@@ -23,6 +23,47 @@ TEST(ParametersDocument, FilesInTheRepositoryAreWhatTheStructsSay) {
   }
 }
 
+TEST(ParametersDocument, TheReadmeSaysWhatTheStructsSay) {
+  std::string readme;
+  ASSERT_EQ(readFile(std::string(SOURCE_DIRECTORY) + "/README.md", readme), std::nullopt);
+  const auto expected = withGeneratedPart(readme, readmeParameters());
+  ASSERT_TRUE(expected) << "the README has no place for the parameters";
+  EXPECT_EQ(readme, *expected)
+      << "README.md is out of date; write it anew from the root of the repository with\n"
+      << "  ./scripts/env rosrun ipm_mapping describe_parameters --write .";
+}
+
+TEST(ParametersDocument, TheReadmeHasEveryParameterAndWhatComesFirstTwice) {
+  const std::string text = readmeParameters();
+  const std::size_t folded = text.find("<details>");
+  ASSERT_NE(folded, std::string::npos);
+  const auto row = [](const std::string& name, const FieldText& f) {
+    return "\n| `" + name + "` | " + f.type + " | " + (f.value.empty() ? "" : "`" + f.value + "`") +
+           " | " + f.unit + " | ";
+  };
+  const Parameters defaults;
+  Parameters::groups(defaults, [&](const char* name, const auto& group) {
+    const std::size_t begin = text.find(std::string("\n#### ") + name + "\n", folded);
+    ASSERT_NE(begin, std::string::npos) << name;
+    describeFields(group, [&](const FieldText& f) {
+      EXPECT_NE(text.find(row(f.name, f), begin), std::string::npos) << name << "/" << f.name;
+    });
+  });
+  describeFields(CameraParameters{}, [&](const FieldText& f) {
+    const bool first = f.name == "z" || f.name == "pitch" || f.name == "image_time_offset";
+    EXPECT_TRUE(!first || text.find(row("~camera/" + f.name, f)) < folded) << f.name;
+  });
+}
+
+TEST(ParametersDocument, OnlyWhatStandsBetweenTheMarksIsReplaced) {
+  const std::string before = "a\n<!-- parameters: written by describe_parameters -->\n",
+                    after = "<!-- end of the parameters -->\nb\n";
+  EXPECT_EQ(withGeneratedPart(before + "old\nrows\n" + after, "new\n"), before + "new\n" + after);
+  EXPECT_EQ(withGeneratedPart(before + after, "new\n"), before + "new\n" + after);
+  EXPECT_EQ(withGeneratedPart(before, "new\n"), std::nullopt);
+  EXPECT_EQ(withGeneratedPart(after + before, "new\n"), std::nullopt);
+}
+
 TEST(ParametersDocument, EveryProfileFileReadsAsItsProfile) {
   for (const std::string& profile : Parameters::profileNames()) {
     const std::string path = std::string(SOURCE_DIRECTORY) + "/config/" + profile + ".yaml";
@@ -66,7 +107,7 @@ TEST(ParametersDocument, HasARowForWhatStandsDirectlyInTheNodeletsNamespace) {
 }
 
 TEST(ParametersDocument, TablesAreNotBrokenByBarsInTheText) {
-  std::istringstream in(parametersMarkdown());
+  std::istringstream in(parametersMarkdown() + readmeParameters());
   std::size_t columns = 0;
   for (std::string line; std::getline(in, line);) {
     if (line.empty() || line[0] != '|') {

@@ -50,7 +50,7 @@ def floor_picture(x):
 
 
 def write_bag(path, images=True, odometry=True, info=False, encoding="mono8", frames=12, fx=FOCAL,
-              still=False):
+              still=False, picture=floor_picture):
     """A robot that drives at 0.25 m/s; 10 pictures a second, odometry at 50 Hz."""
     with rosbag.Bag(path, "w") as bag:
         for k in range(5 * frames - 2):
@@ -64,13 +64,13 @@ def write_bag(path, images=True, odometry=True, info=False, encoding="mono8", fr
                 message.pose.pose.orientation.w = 1.0
                 bag.write("/odom", message, t)
             if images and k % 5 == 0:
-                picture = Image(height=HEIGHT, width=WIDTH, encoding=encoding, step=WIDTH)
-                picture.header.stamp, picture.header.frame_id = t, "camera"
-                picture.data = floor_picture(x).tobytes()
-                bag.write("/camera/rgb/image_raw", picture, t)
+                image = Image(height=HEIGHT, width=WIDTH, encoding=encoding, step=WIDTH)
+                image.header.stamp, image.header.frame_id = t, "camera"
+                image.data = picture(x).tobytes()
+                bag.write("/camera/rgb/image_raw", image, t)
                 if info:
                     k_matrix = [fx, 0, 159.5, 0, FOCAL, 119.5, 0, 0, 1]
-                    calibration = CameraInfo(header=picture.header, height=HEIGHT, width=WIDTH,
+                    calibration = CameraInfo(header=image.header, height=HEIGHT, width=WIDTH,
                                              distortion_model="plumb_bob", D=[0.0] * 5, K=k_matrix)
                     bag.write("/camera/rgb/camera_info", calibration, t)
 
@@ -106,6 +106,7 @@ class OfflineMapper(unittest.TestCase):
                              self.pose)
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(result.stderr, "", "silent when it is not a terminal")
+        self.assertFalse(os.path.exists(os.path.join(self.out, "overlays")))
         for name in ("map.pgm", "map.yaml", "map.png", "overlay.png"):
             self.assertGreater(os.path.getsize(os.path.join(self.out, name)), 0, name)
         with open(os.path.join(self.out, "report.json"), encoding="utf-8") as file:
@@ -131,6 +132,20 @@ class OfflineMapper(unittest.TestCase):
         # The wall stands at x = 1.6 m in the odometry frame.
         distance = sorted(abs(float(row["x_odom"]) - 1.6) for row in points)
         self.assertLess(distance[len(distance) // 2], 0.02)
+
+    def test_overlays_of_every_third_used_frame(self):
+        write_bag(self.bag, info=True)
+        result = self.run_it(self.bag, "--out", self.out, self.pose, "--overlays", "3")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        with open(os.path.join(self.out, "obstacles.csv"), encoding="ascii") as file:
+            used = sorted({int(row["frame"]) for row in csv.DictReader(file)})
+        wanted = ["%06d.png" % frame for frame in used[::3]]
+        self.assertGreater(len(wanted), 1)
+        folder = os.path.join(self.out, "overlays")
+        self.assertEqual(sorted(os.listdir(folder)), wanted)
+        pictures = {open(os.path.join(folder, name), "rb").read() for name in wanted}
+        self.assertEqual(len(pictures), len(wanted), "each shows a frame of its own")
+        self.refused(2, "--overlays", self.bag, "--out", self.out, "--overlays", "0")
 
     def test_trajectory_has_every_frame_by_wheels_and_by_floor(self):
         write_bag(self.bag, info=True, frames=20)

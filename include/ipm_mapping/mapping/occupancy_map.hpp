@@ -73,6 +73,8 @@ class OccupancyMap {
   /// Replaces the content, for instance with a map of an earlier run, placed to the nearest cell.
   /// Nothing on success, otherwise what does not fit; then the map stays as it was.
   [[nodiscard]] std::optional<std::string> load(const TrinaryMap& map);
+  /// Takes over the content of a map with the same parameters; all of it counts as changed.
+  void restore(const OccupancyMap& other);
   /// Forgets everything; the map is empty afterwards.
   void clear();
 

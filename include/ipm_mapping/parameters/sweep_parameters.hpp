@@ -151,13 +151,14 @@ struct NoiseParameters {
 /// Costs of the floor and of a vertical line, and their difference.
 struct EvidenceParameters {
   double floor_cap = 2.5;
-  double vertical_prior = 0.05;
+  double vertical_prior = 0.03;
   double specular_prior = 0.2;
   double specular_parallax = 0.12;
   double drift_width = 0.085;
   double drift_length = 0.10;
   double evidence_rows = 360.0;
   int beam_step = 6;
+  int search_step = 2;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& field) {
@@ -180,13 +181,15 @@ struct EvidenceParameters {
     field("evidence_rows", self.evidence_rows, Unit{"1"}, Range{1.0, 10000.0},
           "independent observations per unit of r: scores count these");
     field("beam_step", self.beam_step, Unit{"lines"}, Range{1, 64}, "lines from beam to beam");
+    field("search_step", self.search_step, Unit{"candidates"}, Range{1, 8},
+          "every how many candidates one is evaluated before the maxima are");
   }
 };
 
 /// From scores to one contact a beam.
 struct SelectionParameters {
   double nearer_score = 15.0;
-  double publish_score = 5.0;
+  double publish_score = 4.0;
   double publish_slope = 20.0;
   double step_cost = 0.5;
   double jump_cost = 20.0;
@@ -195,7 +198,7 @@ struct SelectionParameters {
   double score_cap = 60.0;
   int refine_steps = 4;
   int lean_reach = 14;
-  double lean_gain = 1.1;
+  double lean_gain = 1.02;
   double edge_score = 20.0;
   double edge_contrast = 12.0;
   int edge_farther = 4;
@@ -205,6 +208,8 @@ struct SelectionParameters {
   double straddle_ratio = 1.5;
   double free_cost = 1.3;
   int free_halo = 4;
+  double free_gap = 0.3;
+  double near_memory = 30.0;
   double blocked_cost = 2.0;
   int free_window = 15;
 
@@ -253,6 +258,11 @@ struct SelectionParameters {
           "floor is called free no farther than the contacts this many beams beside it: an "
           "obstacle's "
           "plain parts look like floor");
+    field("free_gap", self.free_gap, Unit{"m"}, Range{0.0, 10.0},
+          "between two contacts closer together than this nothing behind them is free: no robot "
+          "passes there");
+    field("near_memory", self.near_memory, Unit{"s"}, Range{0.0, 3600.0},
+          "how long a contact that passed below the view goes on hiding what is behind it; 0: not");
     field("blocked_cost", self.blocked_cost, Unit{"sigma^2"}, Range{0.0, 9.0},
           "a beam without contact whose nearest floor costs more than this is blocked: something "
           "stands nearer than the view");

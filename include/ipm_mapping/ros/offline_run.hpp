@@ -64,6 +64,10 @@ struct RunReport {
   void addStage(const char* stage, double seconds);
 };
 
+/// An input that gave nothing to work on is an error, a robot that never moved is not: throws
+/// BagError.
+void requireImages(const RunReport& report);
+
 /// The chain from bag to map, through the classes that the nodelets use: frames wait for odometry
 /// in the gate, the detector answers, the map takes the answer.
 class OfflineRun {

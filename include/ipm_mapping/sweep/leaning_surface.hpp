@@ -19,12 +19,29 @@ class LeaningSurface {
               VerticalSweep& sweep, SweepScores& scores, std::vector<BeamChoice>& choices);
 
  private:
-  void refineOne(const CurrentView& current, const SweepReference* references, int count,
-                 VerticalSweep& sweep, SweepScores& scores, int beam, BeamChoice& choice);
+  /// One beam of the frame at hand.
+  struct Column {
+    const CurrentView& current;
+    const SweepReference* references;
+    int count;
+    VerticalSweep& sweep;
+    int beam;
+
+    float score(int candidate, double slope, float least, std::int16_t& top) const {
+      return sweep.leaningScore(current, references, count, beam, candidate, slope, least, top);
+    }
+  };
+  struct Foot {
+    int candidate = 0;
+    double slope = 0.0;
+    float score = 0.0F;
+  };
+  [[nodiscard]] Foot search(const Column& column, int centre, float most) const;
+  void refineOne(const Column& column, SweepScores& scores, BeamChoice& choice);
 
   SelectionParameters parameters_;
-  std::vector<float> score_, best_score_;
-  std::vector<std::int16_t> top_, best_top_;
+  std::vector<float> score_;
+  std::vector<std::int16_t> top_;
 };
 
 }  // namespace ipm_mapping::sweep

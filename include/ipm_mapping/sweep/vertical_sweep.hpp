@@ -45,9 +45,9 @@ class VerticalSweep {
   /// Prepares leaningScore() for the candidates of one beam.
   void aimBeam(const SweepReference* references, int count, int beam);
   /// Score of a surface that stands on the floor at a candidate and leans away from the camera by
-  /// `lean` metres per metre of height.
+  /// `lean` metres per metre of height; less than `least_score` may be given as 0.
   float leaningScore(const CurrentView& current, const SweepReference* references, int count,
-                     int beam, int candidate, double lean, std::int16_t& top);
+                     int beam, int candidate, double lean, float least_score, std::int16_t& top);
 
   [[nodiscard]] int beams() const { return beams_; }
   [[nodiscard]] int candidates() const { return candidates_; }
@@ -83,13 +83,17 @@ class VerticalSweep {
   [[nodiscard]] int leaningCandidate(int candidate, double lean, int row) const;
   float scoreOf(const CurrentView& current, const SweepReference* references, int count, int beam,
                 int candidate, double lean, std::int32_t least, std::int16_t& top);
+  void evaluateBeam(const CurrentView& current, const SweepReference* references, int count,
+                    int beam, std::int32_t least, float* score, std::int16_t* top);
 
   PolarGrid grid_;
-  int beam_step_ = 1, beams_ = 0, candidates_ = 0, first_row_ = 0, support_rows_ = 0;
+  int beam_step_ = 1, search_step_ = 1, beams_ = 0, candidates_ = 0, first_row_ = 0,
+      support_rows_ = 0;
   std::int32_t floor_cap_ = 0, prior_ = 0;
   std::vector<RowRange> beam_rows_;       // current: sweep rows, eight lines
   std::vector<RowRange> reference_rows_;  // reference: fine rows, nine lines from each line on
   std::vector<std::int32_t> row_weight_;  // w(row) in 1/256
+  std::vector<double> row_r_;             // of every sweep row, also below the view
   std::vector<std::int32_t> bound_;       // most that a support ending at a row can gain
   std::vector<std::int32_t> potential_;   // sum of what the rows before a row could gain
   std::vector<std::int32_t> evidence_;
