@@ -170,8 +170,9 @@ Bearing ContactMemory::floorAlong(const Frame& frame, const Bearing& now) const 
     bearing.state = BearingState::Blocked;
     return bearing;
   }
-  double range = std::max(double{now.near},
-                          nearestVisibleFloor(last.ground().camera, last.ground().T_base_camera));
+  double range = double{now.near};
+  if (!(range > 0.0))
+    range = nearestVisibleFloor(last.ground().camera, last.ground().T_base_camera);
   for (int i = 0; i < late_steps && !free_at(range); ++i) range += floor_step;
   if (!free_at(range)) return bearing;
   bearing.near = static_cast<float>(range);

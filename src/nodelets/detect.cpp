@@ -78,8 +78,10 @@ class Detect : public StageNodelet {
 
   FrameStatus process(const Frame& frame, const FrameInfo& info) {
     const FrameStatus status = detector_->process(frame, obstacles_);
-    refined_odometry_->follow(*detector_, frame, status, info.header.stamp, info.frames);
-    if (memory_.follow(frame, status, obstacles_))
+    Frame placed = frame;
+    placed.T_odom_base = obstacles_.view.T_odom_base =
+        refined_odometry_->follow(*detector_, frame, status, info.header.stamp, info.frames);
+    if (memory_.follow(placed, status, obstacles_))
       obstacle_outputs_->publish(obstacles_, info.header.stamp, info.frames, detector_->id());
     if (status == FrameStatus::Used) {
       publishOverlay(overlay_, frame.image, obstacles_, info.header);

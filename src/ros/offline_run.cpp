@@ -155,6 +155,8 @@ void OfflineRun::process(const FrameGate<std::pair<std::uint64_t, GrayPicture>>:
   ++report_.frames[static_cast<std::size_t>(status)];
   trajectory_.push_back({index, frame.stamp, frame.T_odom_base,
                          floor_odometry_.add(floorObservation(detector_, now, status))});
+  if (parameters_.floor_odometry.poses == Poses::Refined)
+    obstacles_.view.T_odom_base = floor_odometry_.pose().T_odom_base;
   if (status == FrameStatus::Used) {
     for (const StageTime& time : detector_.stageTimes()) report_.addStage(time.stage, time.seconds);
     confirmation_.apply(obstacles_);

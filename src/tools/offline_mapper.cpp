@@ -151,7 +151,9 @@ void writeMap(const OfflineRun& run, const Arguments& a) {
   if (const auto error = saveMap(map, a.out + "/map")) throw std::runtime_error(*error);
   const std::string title = std::filesystem::path(a.options.bag).stem().string();
   std::vector<SE2> way;
-  for (const TrackedFrame& frame : run.trajectory()) way.push_back(frame.T_odom_base);
+  const bool refined = a.options.parameters.floor_odometry.poses == Poses::Refined;
+  for (const TrackedFrame& frame : run.trajectory())
+    way.push_back(refined ? frame.refined.T_odom_base : frame.T_odom_base);
   writePicture(a.out + "/map.png", drawMap(map, {title, way, readTruth(a.truth)}));
 }
 

@@ -50,8 +50,9 @@ def floor_picture(x):
 
 
 def write_bag(path, images=True, odometry=True, info=False, encoding="mono8", frames=12, fx=FOCAL,
-              still=False, picture=floor_picture):
-    """A robot that drives at 0.25 m/s; 10 pictures a second, odometry at 50 Hz."""
+              still=False, wheels=1.0, picture=floor_picture):
+    """A robot that drives at 0.25 m/s; 10 pictures a second, odometry at 50 Hz, whose wheels see
+    `wheels` times the way."""
     with rosbag.Bag(path, "w") as bag:
         for k in range(5 * frames - 2):
             t = rospy.Time.from_sec(1000.0 + 0.02 * k)
@@ -60,7 +61,7 @@ def write_bag(path, images=True, odometry=True, info=False, encoding="mono8", fr
                 message = Odometry()
                 message.header.stamp, message.header.frame_id = t, "odom"
                 message.child_frame_id = "base_footprint"
-                message.pose.pose.position.x = x
+                message.pose.pose.position.x = wheels * x
                 message.pose.pose.orientation.w = 1.0
                 bag.write("/odom", message, t)
             if images and k % 5 == 0:
@@ -162,6 +163,19 @@ class OfflineMapper(unittest.TestCase):
             self.assertAlmostEqual(float(row["x_odom"]), 0.025 * k, 5)
         self.assertLess(abs(float(rows[-1]["x_refined"]) - 0.475), 0.005)
         self.assertGreater(float(rows[-1]["var_x"]), 0.0)
+
+    def test_refined_poses_place_contacts_where_the_trajectory_is(self):
+        write_bag(self.bag, info=True, frames=20, wheels=1.05)
+        wrong = {}
+        for poses in ("odometry", "refined"):
+            result = self.run_it(self.bag, "--out", self.out, self.pose,
+                                 "--set", "floor_odometry/poses=" + poses)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            with open(os.path.join(self.out, "points.csv"), encoding="ascii") as file:
+                places = sorted(abs(float(row["x_odom"]) - 1.6) for row in csv.DictReader(file)
+                                if int(row["frame"]) >= 16)
+            wrong[poses] = places[len(places) // 2]
+        self.assertLess(wrong["refined"], 0.5 * wrong["odometry"])
 
     def test_temporal_filter_keeps_some_contacts_of_the_same_frames(self):
         write_bag(self.bag, info=True, frames=20)

@@ -5,15 +5,24 @@
 
 namespace ipm_mapping {
 
+enum class Poses { Odometry, Refined };
+template <>
+inline constexpr std::array<const char*, 2> enum_names<Poses>{"odometry", "refined"};
+
 /// What the motion between two frames does not know of itself: errors that are the same all along a
 /// drive add up where those of single frames average out.
 struct FloorOdometryParameters {
+  Poses poses = Poses::Odometry;
   double sd_scale = 0.014;
   double sd_turn = 0.002;
   double sd_shift = 0.001;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& field) {
+    field(
+        "poses", self.poses,
+        "where answers, and with them the map, are placed: odometry: where the wheels say, in the "
+        "frame that tf knows; refined: where odom_refined says, which drifts away from it");
     field("sd_scale", self.sd_scale, Unit{"m/m"}, Range{0.0, 1.0},
           "expected error of the scale: pitch and height of the camera are known only so well");
     field("sd_turn", self.sd_turn, Unit{"rad/m"}, Range{0.0, 1.0},
