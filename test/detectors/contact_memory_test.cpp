@@ -88,6 +88,20 @@ TEST_F(Memory, StandingHoldsTheAnswerAsItWas) {
   }
 }
 
+TEST_F(Memory, HoldsAsWellBehindTheRobotWhereAnglesWrap) {
+  world.facing = M_PI;
+  world.T_base_camera = cameraPose(-0.05, 0.0, 0.45, 0.42, M_PI);
+  for (FanWorld::Disc& disc : world.discs) disc.centre = -disc.centre;
+  see({}, start);
+  ASSERT_GT(views.back().contacts.size(), 20U);
+  ASSERT_TRUE(recall({}, start + 1.0));
+  ASSERT_EQ(recalled.contacts.size(), views.back().contacts.size());
+  for (std::size_t i = 0; i < recalled.bearings.size(); ++i) {
+    EXPECT_EQ(recalled.bearings[i].state, views.back().bearings[i].state) << i;
+    EXPECT_NEAR(recalled.bearings[i].range, views.back().bearings[i].range, 1e-3) << i;
+  }
+}
+
 TEST_F(Memory, FreeFloorExpiresBeforeContactsAndContactsExpireToo) {
   const MemoryParameters parameters;
   see({}, start);

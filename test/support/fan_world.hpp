@@ -19,6 +19,7 @@ struct FanWorld {
   static constexpr double half_view = 0.6, max_range = 2.0, near = 0.45;
 
   std::vector<Disc> discs;
+  double facing = 0.0;  // of the fan in base
   CameraModel camera{Intrinsics{640, 480, 525.0, 525.0, 319.5, 239.5}, {}};
   CameraPose T_base_camera = cameraPose(0.05, 0.0, 0.45, 0.42);
 
@@ -46,13 +47,14 @@ struct FanWorld {
     seen.view.T_odom_base = T_odom_base;
     const Eigen::Vector2d foot = seen.view.cameraFoot();
     for (int i = 0; i < bearings; ++i) {
-      const double hit = firstHit(T_odom_base * foot, T_odom_base.theta + angle(i));
-      const Eigen::Vector2d ahead(std::cos(angle(i)), std::sin(angle(i)));
+      const double direction = wrapAngle(facing + angle(i));
+      const double hit = firstHit(T_odom_base * foot, T_odom_base.theta + direction);
+      const Eigen::Vector2d ahead(std::cos(direction), std::sin(direction));
       const bool near_enough = (foot + hit * ahead).norm() <= max_range;
       Bearing bearing;
-      bearing.angle = static_cast<float>(angle(i));
+      bearing.angle = static_cast<float>(direction);
       bearing.near = static_cast<float>(near);
-      bearing.range = static_cast<float>(near_enough ? hit : max_range - foot.x());
+      bearing.range = static_cast<float>(near_enough ? hit : max_range - foot.norm());
       bearing.state = near_enough ? BearingState::Occupied : BearingState::Free;
       if (near_enough) {
         Contact contact;
