@@ -134,6 +134,15 @@ class Run:
             by_stamp.setdefault(float(row["stamp"]), []).append(point)
         return {stamp: np.array(points) for stamp, points in by_stamp.items()}
 
+    def free_bearings(self):
+        """Angles and free ranges (n, 2) of the bearings reported free at each stamp."""
+        by_stamp = {}
+        for row in self.bearings:
+            if row["state"] == "free":
+                bearing = (float(row["angle_rad"]), float(row["range_m"]))
+                by_stamp.setdefault(float(row["stamp"]), []).append(bearing)
+        return {stamp: np.array(bearings) for stamp, bearings in by_stamp.items()}
+
     def occupied_cells(self):
         """Centres (n, 2) of the map's occupied cells; None without a map."""
         if not os.path.exists(self.map_yaml):
@@ -182,6 +191,7 @@ class _Tally:
         self.errors, self.error_kinds = [], []
         self.asked, self.found = {}, {}
         self.visible_cells = set()
+        self.free = self.free_beyond = 0
 
 
 def _score_contacts(truth, contacts, pose, tally):
@@ -213,6 +223,14 @@ def _score_bearings(truth, world, pose, tally):
         tally.visible_cells.add(tuple(np.floor(targets[k] / CELL).astype(int)))
 
 
+def _score_free(truth, free, pose, tally):
+    """Free ranges that end more than the tolerance behind the first outline along them."""
+    foot = truth.to_world(pose, [truth.place[:2]])[0]
+    distance, _ = truth.first_outlines(foot, pose[2] + free[:, 0])
+    tally.free += len(free)
+    tally.free_beyond += int((free[:, 1] > distance + TOLERANCE).sum())
+
+
 def _map_figures(truth, cells, tally):
     if cells is None:
         return {}
@@ -240,7 +258,7 @@ def score(truth, run):
     """Every figure of a run as a dictionary; None where there is nothing to take a share of."""
     if truth.start is None:
         truth.start = min(run.stamps(), default=0.0)
-    contacts = run.contacts()
+    contacts, free = run.contacts(), run.free_bearings()
     tally = _Tally()
     used = 0
     for stamp in run.stamps():
@@ -250,6 +268,8 @@ def score(truth, run):
         used += 1
         world = _score_contacts(truth, contacts.get(stamp, np.zeros((0, 2))), pose, tally)
         _score_bearings(truth, world, pose, tally)
+        if stamp in free:
+            _score_free(truth, free[stamp], pose, tally)
     errors = np.minimum(np.array(tally.errors), 1.0)  # one stray point must not own the p90
     asked = sum(tally.asked.values())
     with_contact = {(row["frame"], row["bearing"]) for row in run.points}
@@ -262,6 +282,8 @@ def score(truth, run):
         "visible_bearings": asked,
         "recall_percent": percent(sum(tally.found.values()), asked),
         "contact_bearings_percent": percent(len(with_contact), len(run.bearings)),
+        "free_bearings": tally.free,
+        "free_beyond_percent": percent(tally.free_beyond, tally.free),
     }
     figures.update(_map_figures(truth, run.occupied_cells(), tally))
     figures["kinds"] = _kind_figures(tally)

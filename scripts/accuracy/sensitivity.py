@@ -24,11 +24,14 @@ class Sweep:
         self.settings = settings or (lambda value, detector: [])
         self.figures = {}
 
+    def work(self, detectors):
+        """What the bench has to do: (detector, (case, detector, settings)) of each value."""
+        return [(d, (self.case(value), d, self.settings(value, d)))
+                for value in self.values for d in detectors]
+
     def run(self, bench, detectors):
-        for value in self.values:
-            for detector in detectors:
-                figures = bench.figures(self.case(value), detector, self.settings(value, detector))
-                self.figures.setdefault(detector, []).append(figures)
+        for detector, one in self.work(detectors):
+            self.figures.setdefault(detector, []).append(bench.figures(*one))
 
     def table(self):
         header = [f"{self.title}, {self.unit}"]

@@ -6,7 +6,6 @@
 namespace ipm_mapping::sim {
 namespace {
 
-constexpr double kObstacleHeight = 0.015;
 constexpr double kMapMargin = 1.0;
 
 geometry_msgs::Quaternion quaternion(const Eigen::Quaterniond& q) {

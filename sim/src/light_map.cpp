@@ -25,6 +25,15 @@ int shuffled(int k, int turn) {
   return order[(k + 5 * std::max(turn, 0)) & 15];
 }
 
+void setShadowRay(RayPacket& rays, int k, const Vector3f& origin, const Vector3f& direction) {
+  rays.origin.x[k] = origin.x();
+  rays.origin.y[k] = origin.y();
+  rays.origin.z[k] = origin.z();
+  rays.direction.x[k] = direction.x();
+  rays.direction.y[k] = direction.y();
+  rays.direction.z[k] = direction.z();
+}
+
 /// Directions spread over the hemisphere around +z with density cos(angle).
 const std::vector<Vector3f>& hemisphere() {
   static const std::vector<Vector3f> directions = [] {
@@ -50,10 +59,9 @@ float ambientShare(const Tracer& tracer, const Texel& texel) {
     RayPacket rays;
     for (std::size_t k = 0; k < kPacket; ++k) {
       const Vector3f& d = directions[first + k];
-      rays.active[k] = -1;
-      rays.origin[k] = texel.centre + kLift * texel.normal;
-      rays.direction[k] = d.x() * tangent + d.y() * other + d.z() * texel.normal;
-      rays.reach[k] = kAmbientReach;
+      const Vector3f along = d.x() * tangent + d.y() * other + d.z() * texel.normal;
+      setShadowRay(rays, static_cast<int>(k), texel.centre + kLift * texel.normal, along);
+      rays.reach[static_cast<int>(k)] = kAmbientReach;
     }
     open += kPacket - __builtin_popcount(tracer.blocked(rays));
   }
@@ -77,10 +85,9 @@ float lampShare(const Tracer& tracer, const LampSpec& lamp, const Texel& area, i
   for (int k = 0; k < kPacket; ++k) {
     const Eigen::Vector2f on_area = stratum(k), on_lamp = stratum(shuffled(k, turn)) + shift;
     const Vector3f target = centre + size * Vector3f(on_lamp.x(), on_lamp.y(), 0.0F);
-    rays.active[k] = -1;
-    rays.origin[k] =
+    const Vector3f origin =
         area.centre + on_area.x() * area.edge_u + on_area.y() * area.edge_v + kLift * area.normal;
-    rays.direction[k] = target - rays.origin[k];
+    setShadowRay(rays, k, origin, target - origin);
     rays.reach[k] = 0.999F;
   }
   return 1.0F - static_cast<float>(__builtin_popcount(tracer.blocked(rays))) / kPacket;
@@ -107,6 +114,9 @@ LightMap::LightMap(const Stage& stage, const std::vector<LampSpec>& lamps, const
     }
   }
   per_cell_ = (longest / texel_).array().ceil().max(1.0F);
+  lowest_ = 0;
+  highest_i_ = (patch_->cols - 1) * static_cast<int>(per_cell_.x()) - 1;
+  highest_j_ = (patch_->rows - 1) * static_cast<int>(per_cell_.y()) - 1;
 }
 
 Texel LightMap::texelAt(int i, int j) const {
@@ -116,10 +126,8 @@ Texel LightMap::texelAt(int i, int j) const {
     return {centre, Vector3f::UnitZ(), texel_ * Vector3f::UnitX(), texel_ * Vector3f::UnitY()};
   }
   const int columns = patch_->cols - 1, rows = patch_->rows - 1;
-  const float limit_u = static_cast<float>(columns) * per_cell_.x() - 0.5F;
-  const float limit_v = static_cast<float>(rows) * per_cell_.y() - 0.5F;
-  const float gu = std::clamp(static_cast<float>(i) + 0.5F, 0.5F, limit_u) / per_cell_.x();
-  const float gv = std::clamp(static_cast<float>(j) + 0.5F, 0.5F, limit_v) / per_cell_.y();
+  const float gu = (static_cast<float>(i) + 0.5F) / per_cell_.x();
+  const float gv = (static_cast<float>(j) + 0.5F) / per_cell_.y();
   const int c = std::min(static_cast<int>(gu), columns - 1);
   const int r = std::min(static_cast<int>(gv), rows - 1);
   const float u = gu - static_cast<float>(c), v = gv - static_cast<float>(r);
@@ -198,14 +206,28 @@ void LightMap::markSteep(const std::vector<Baked>& baked, Tile& tile) const {
   }
 }
 
-std::unique_ptr<LightMap::Tile> LightMap::bakeTile(int i, int j) const {
+/// All squares of a tile and a border around it. Squares beyond the patch repeat its outermost
+/// ones, which are always among them.
+std::vector<LightMap::Baked> LightMap::bakeSquares(int first_i, int first_j) const {
   std::vector<Baked> baked(static_cast<std::size_t>(kBaked) * kBaked);
-  for (int row = 0; row < kBaked; ++row) {
-    for (int column = 0; column < kBaked; ++column) {
-      baked[static_cast<std::size_t>(row * kBaked + column)] =
-          bake(texelAt(i * kTile + column - 1, j * kTile + row - 1));
+  const auto place = [&](int i, int j) -> Baked& {
+    return baked[static_cast<std::size_t>((j - first_j) * kBaked + i - first_i)];
+  };
+  const int low_i = std::max(first_i, lowest_), high_i = std::min(first_i + kBaked - 1, highest_i_);
+  const int low_j = std::max(first_j, lowest_), high_j = std::min(first_j + kBaked - 1, highest_j_);
+  for (int j = low_j; j <= high_j; ++j) {
+    for (int i = low_i; i <= high_i; ++i) place(i, j) = bake(texelAt(i, j));
+  }
+  for (int j = first_j; j < first_j + kBaked; ++j) {
+    for (int i = first_i; i < first_i + kBaked; ++i) {
+      place(i, j) = place(std::clamp(i, low_i, high_i), std::clamp(j, low_j, high_j));
     }
   }
+  return baked;
+}
+
+std::unique_ptr<LightMap::Tile> LightMap::bakeTile(int i, int j) const {
+  const std::vector<Baked> baked = bakeSquares(i * kTile - 1, j * kTile - 1);
   const std::size_t n = lamps_.size() + 1;
   auto tile = std::make_unique<Tile>();
   tile->shares.resize(static_cast<std::size_t>(kStored) * kStored * n);
@@ -235,15 +257,8 @@ const LightMap::Tile& LightMap::tile(int i, int j) {
   return *entry;
 }
 
-LightShares LightMap::at(const SurfacePoint& point) {
-  LightShares out;
-  if (patch_ == nullptr && !shaded_.contains(point.coords)) {
-    std::fill(out.lamp, out.lamp + kMaxLamps, 1.0F);
-    return out;
-  }
-  const Eigen::Vector2f p = patch_ == nullptr ? (point.coords / texel_).eval()
-                                              : point.grid.cwiseProduct(per_cell_).eval();
-  const float x = p.x() - 0.5F, y = p.y() - 0.5F;
+/// Shares at a place in squares, blended from the four squares around it.
+void LightMap::sampleAt(float x, float y, int lane, LightShares& out) {
   const int i = floorOf(x), j = floorOf(y);
   const float u = x - static_cast<float>(i), v = y - static_cast<float>(j);
   const Tile& from = tile(i >> 5, j >> 5);
@@ -255,10 +270,25 @@ LightShares LightMap::at(const SurfacePoint& point) {
     const float bottom = low[k] + u * (low[n + k] - low[k]);
     return bottom + v * (high[k] + u * (high[n + k] - high[k]) - bottom);
   };
-  out.ambient = share(0);
-  for (std::size_t k = 1; k < n; ++k) out.lamp[k - 1] = share(k);
-  out.steep = from.steep[static_cast<std::size_t>(row * kTile + column)];
-  return out;
+  out.ambient[lane] = share(0);
+  const unsigned steep = from.steep[static_cast<std::size_t>(row * kTile + column)];
+  for (std::size_t k = 1; k < n; ++k) {
+    out.lamp[k - 1][lane] = share(k);
+    out.steep[k - 1] |= (steep >> (k - 1) & 1U) << lane;
+  }
+}
+
+void LightMap::at(const PointPacket& points, LightShares& out) {
+  fill(out.ambient, 1.0F);
+  for (std::size_t k = 0; k < lamps_.size(); ++k) fill(out.lamp[k], 1.0F);
+  const Lanes2& place = patch_ == nullptr ? points.coords : points.grid;
+  const Eigen::Vector2f scale =
+      patch_ == nullptr ? Eigen::Vector2f::Constant(1.0F / texel_).eval() : per_cell_;
+  forMembers(points.members, [&](int k) {
+    const Eigen::Vector2f p(place.x[k], place.y[k]);
+    if (patch_ == nullptr && !shaded_.contains(p)) return;
+    sampleAt(p.x() * scale.x() - 0.5F, p.y() * scale.y() - 0.5F, k, out);
+  });
 }
 
 }  // namespace ipm_mapping::sim

@@ -28,11 +28,14 @@ Patch quadPatch(const Vector3d& corner, const Vector3d& u, const Vector3d& v,
                 const Material& material) {
   Patch patch{2, 2, {}, {}, {}, material};
   const Vector3f normal = u.cross(v).normalized().cast<float>();
+  const bool upright = material.grain == Grain::Wood && material.pattern == Pattern::None &&
+                       v.norm() > u.norm();  // wood is cut along its grain
   for (int r = 0; r < 2; ++r) {
     for (int c = 0; c < 2; ++c) {
       patch.points.push_back((corner + c * u + r * v).cast<float>());
       patch.normals.push_back(normal);
-      patch.coords.emplace_back(c * u.norm(), r * v.norm());
+      const Eigen::Vector2d at(c * u.norm(), r * v.norm());
+      patch.coords.push_back((upright ? at.reverse().eval() : at).cast<float>());
     }
   }
   return patch;

@@ -6,16 +6,8 @@ namespace ipm_mapping::sim {
 namespace {
 
 constexpr int kBlock = 4;
-constexpr int kNothing = -3;
-
-/// Calls body(u, v, lane) for the pixels of a 4 x 4 block that are inside the image.
-template <class Body>
-void forBlock(int u0, int v0, int width, int height, Body&& body) {
-  for (int k = 0; k < kPacket; ++k) {
-    const int u = u0 + k % kBlock, v = v0 + k / kBlock;
-    if (u < width && v < height) body(u, v, k);
-  }
-}
+constexpr float kFaintMirror = 0.08F;  // share of light whose mirror image needs no smooth edges
+constexpr std::size_t kQueue = 4096;   // parts of pixels that are shaded in one go
 
 /// Place of the k-th of sixteen samples within a pixel: each in its own of 16 columns and rows.
 float sampleColumn(int k) { return (static_cast<float>(k) + 0.5F) / kPacket - 0.5F; }
@@ -24,56 +16,29 @@ float sampleRow(int k) {
   return (static_cast<float>(rows[k]) + 0.5F) / kPacket - 0.5F;
 }
 
-void setRay(RayPacket& packet, int k, const PixelRay& ray) {
-  packet.active[k] = -1;
-  packet.origin[k] = ray.origin;
-  packet.direction[k] = ray.direction;
-  packet.reach[k] = Stage::reach(ray.origin, ray.direction);
-}
-
-RayPacket emptyPacket() {
-  RayPacket packet;
-  for (int k = 0; k < kPacket; ++k) {
-    packet.active[k] = 0;
-    packet.origin[k] = Eigen::Vector3f::Zero();
-    packet.direction[k] = Eigen::Vector3f::UnitZ();
-    packet.reach[k] = 0.0F;
-  }
-  return packet;
-}
-
-/// Splits sixteen hits by what they met: calls body(surface, members) for each surface.
-template <class Body>
-void forGroups(const int* surfaces, unsigned members, Body&& body) {
-  while (members != 0) {
-    const int surface = surfaces[__builtin_ctz(members)];
-    unsigned group = 0;
-    for (int k = 0; k < kPacket; ++k) {
-      if ((members >> k & 1U) != 0 && surfaces[k] == surface) group |= 1U << k;
-    }
-    members &= ~group;
-    body(surface, group);
-  }
-}
-
 /// The member whose place in the pixel is nearest to the members' mean.
 int middleOf(unsigned members) {
   float x = 0.0F, y = 0.0F;
   const auto count = static_cast<float>(__builtin_popcount(members));
-  for (int k = 0; k < kPacket; ++k) {
-    if ((members >> k & 1U) == 0) continue;
+  forMembers(members, [&](int k) {
     x += sampleColumn(k) / count;
     y += sampleRow(k) / count;
-  }
+  });
   int best = 0;
   float nearest = 1e9F;
-  for (int k = 0; k < kPacket; ++k) {
+  forMembers(members, [&](int k) {
     const float distance = std::abs(sampleColumn(k) - x) + std::abs(sampleRow(k) - y);
-    if ((members >> k & 1U) == 0 || distance >= nearest) continue;
+    if (distance >= nearest) return;
     nearest = distance;
     best = k;
-  }
+  });
   return best;
+}
+
+float largestOf(const Lanes& values, unsigned members) {
+  float largest = 0.0F;
+  forMembers(members, [&](int k) { largest = std::max(largest, values[k]); });
+  return largest;
 }
 
 }  // namespace
@@ -101,58 +66,77 @@ void Renderer::render(const RowPose& T_world_camera, std::vector<float>& radianc
                                            pose.translation().cast<float>()};
   }
   radiance.assign(seen_.size(), 0.0F);
+  std::fill(seen_.begin(), seen_.end(), kNothing);
+  std::fill(mirrored_.begin(), mirrored_.end(), kNothing);
   for (int v = 0; v < lens_.height(); v += kBlock) {
     for (int u = 0; u < lens_.width(); u += kBlock) renderBlock(u, v, radiance);
   }
   smoothEdges(radiance);
 }
 
-void Renderer::renderBlock(int u0, int v0, std::vector<float>& radiance) {
-  RayPacket packet = emptyPacket();
-  PixelRay rays[kPacket];
-  Mirror mirrors[kPacket];
-  const auto forPixels = [&](auto&& body) {
-    forBlock(u0, v0, lens_.width(), lens_.height(), body);
-  };
-  forPixels([&](int u, int v, int k) {
-    if (!lens_.pixel(u, v).seen) return;
-    rays[k] = rayOf(u, v, 0, 0);
-    setRay(packet, k, rays[k]);
-  });
-  Hit hits[kPacket];
-  stage_.tracer().nearest(packet, hits);
-  forPixels([&](int u, int v, int k) {
-    int& seen = seen_[index(u, v)];
-    seen = kNothing;
-    if (packet.active[k] == 0) return;
-    const SurfacePoint point = stage_.resolve(rays[k], hits[k]);
-    seen = point.surface;
-    radiance[index(u, v)] = shader_.radiance(point, rays[k], mirrors[k]);
-  });
-  if (shader_.glossyFloor()) addMirrors(u0, v0, mirrors, radiance);
+// --- every pixel's middle
+// -------------------------------------------------------------------------
+
+/// Rays of a 4 x 4 block; a bit for each that exists.
+unsigned Renderer::setBlock(int u0, int v0, PixelRays& rays) const {
+  unsigned active = 0;
+  for (int k = 0; k < kPacket; ++k) {
+    const int u = u0 + k % kBlock, v = v0 + k / kBlock;
+    if (u >= lens_.width() || v >= lens_.height() || !lens_.pixel(u, v).seen) continue;
+    rays.set(k, rayOf(u, v, 0.0F, 0.0F));
+    active |= 1U << k;
+  }
+  return active;
 }
 
-void Renderer::addMirrors(int u0, int v0, const Mirror* mirrors, std::vector<float>& radiance) {
-  RayPacket packet = emptyPacket();
-  int any = 0;
-  for (int k = 0; k < kPacket; ++k) {
-    if (mirrors[k].share <= 0.0F) continue;
-    setRay(packet, k, mirrors[k].ray);
-    any = 1;
-  }
-  Hit hits[kPacket];
-  if (any != 0) stage_.tracer().nearest(packet, hits);
-  forBlock(u0, v0, lens_.width(), lens_.height(), [&](int u, int v, int k) {
-    const std::size_t i = index(u, v);
-    mirrored_[i] = kNothing;
-    if (packet.active[k] == 0) return;
-    SurfacePoint point = stage_.resolve(mirrors[k].ray, hits[k]);
-    point.weight = mirrors[k].share;
-    mirrored_[i] = point.surface;
-    Mirror none;
-    radiance[i] += mirrors[k].share * shader_.radiance(point, mirrors[k].ray, none);
+void Renderer::renderBlock(int u0, int v0, std::vector<float>& radiance) {
+  PixelRays rays;
+  const unsigned active = setBlock(u0, v0, rays);
+  if (active == 0) return;
+  rays.reachFloor();
+  HitPacket hits;
+  stage_.tracer().nearest(rays, active, hits);
+  IntLanes surfaces;
+  Stage::surfacesOf(rays, hits, surfaces);
+  std::size_t pixels[kPacket];
+  for (int k = 0; k < kPacket; ++k) pixels[k] = index(u0 + k % kBlock, v0 + k / kBlock);
+  forGroups(surfaces, active, [&](int surface, unsigned members) {
+    Lanes light;
+    Mirrors mirrors;
+    shader_.radiance(surface, members, rays, hits, 1.0F, light, mirrors);
+    forMembers(members, [&](int k) {
+      seen_[pixels[k]] = surface;
+      radiance[pixels[k]] = light[k];
+    });
+    if (surface == kFloor && shader_.glossyFloor()) addMirrors(pixels, members, mirrors, radiance);
   });
 }
+
+void Renderer::addMirrors(const std::size_t* pixels, unsigned members, Mirrors& mirrors,
+                          std::vector<float>& radiance) {
+  unsigned active = 0;
+  forMembers(members,
+             [&](int k) { active |= static_cast<unsigned>(mirrors.share[k] > 0.0F) << k; });
+  if (active == 0) return;
+  mirrors.rays.reachFloor();
+  HitPacket hits;
+  stage_.tracer().nearest(mirrors.rays, active, hits);
+  IntLanes surfaces;
+  Stage::surfacesOf(mirrors.rays, hits, surfaces);
+  forGroups(surfaces, active, [&](int surface, unsigned group) {
+    Lanes light;
+    Mirrors none;
+    const float weight = largestOf(mirrors.share, group);
+    shader_.radiance(surface, group, mirrors.rays, hits, weight, light, none);
+    forMembers(group, [&](int k) {
+      if (mirrors.share[k] > kFaintMirror) mirrored_[pixels[k]] = surface;
+      radiance[pixels[k]] += mirrors.share[k] * light[k];
+    });
+  });
+}
+
+// --- pixels in which surfaces meet
+// -----------------------------------------------------------------
 
 bool Renderer::isEdge(int u, int v) const {
   const std::size_t i = index(u, v);
@@ -171,62 +155,109 @@ bool Renderer::isEdge(int u, int v) const {
 void Renderer::smoothEdges(std::vector<float>& radiance) {
   for (int v = 0; v < lens_.height(); ++v) {
     for (int u = 0; u < lens_.width(); ++u) {
-      if (seen_[index(u, v)] != kNothing && isEdge(u, v)) radiance[index(u, v)] = smoothed(u, v);
+      if (seen_[index(u, v)] == kNothing || !isEdge(u, v)) continue;
+      radiance[index(u, v)] = 0.0F;
+      queuePixel(u, v);
+      if (parts_.size() > kQueue) shadeQueues(radiance);
     }
   }
+  shadeQueues(radiance);
 }
 
-float Renderer::smoothed(int u, int v) {
-  RayPacket packet;
-  PixelRay rays[kPacket];
-  for (int k = 0; k < kPacket; ++k) {
-    rays[k] = rayOf(u, v, sampleColumn(k), sampleRow(k));
-    setRay(packet, k, rays[k]);
-  }
-  Hit hits[kPacket];
-  stage_.tracer().nearest(packet, hits);
-  int surfaces[kPacket];
-  for (int k = 0; k < kPacket; ++k) surfaces[k] = Stage::surfaceOf(hits[k], rays[k].direction);
-  float sum = 0.0F;
-  forGroups(surfaces, 0xFFFFU, [&](int, unsigned group) {
-    sum += shadeGroup(rays, hits, group) * static_cast<float>(__builtin_popcount(group));
+void Renderer::queuePixel(int u, int v) {
+  PixelRays rays;
+  for (int k = 0; k < kPacket; ++k) rays.set(k, rayOf(u, v, sampleColumn(k), sampleRow(k)));
+  Part whole;
+  whole.share = 1.0F;
+  whole.pixel = index(u, v);
+  queueParts(rays, kAllLanes, whole, parts_);
+}
+
+/// The mirrored rays of a part of a glossy floor, spread like the part itself; a faint mirror's
+/// middle one stands for all.
+void Renderer::queueMirror(const Part& part, const PixelRay& mirror, float share) {
+  PixelRays rays;
+  const unsigned members = share > kFaintMirror ? part.members : 1U << part.middle;
+  forMembers(members, [&](int k) {
+    const float du = sampleColumn(k) - sampleColumn(part.middle);
+    const float dv = sampleRow(k) - sampleRow(part.middle);
+    PixelRay ray = mirror;
+    ray.direction += du * mirror.ddx + dv * mirror.ddy;
+    rays.set(k, ray);
   });
-  return sum / kPacket;
+  Part whole = part;
+  whole.weight = share;
+  queueParts(rays, members, whole, mirrored_parts_);
 }
 
-float Renderer::shadeGroup(const PixelRay* rays, const Hit* hits, unsigned members) {
-  const int middle = middleOf(members);
-  Mirror mirror;
-  const SurfacePoint point = stage_.resolve(rays[middle], hits[middle]);
-  float radiance = shader_.radiance(point, rays[middle], mirror);
-  if (mirror.share <= 0.0F) return radiance;
-  PixelRay mirrors[kPacket];
-  for (int k = 0; k < kPacket; ++k) {
-    if ((members >> k & 1U) == 0) continue;
-    const float du = sampleColumn(k) - sampleColumn(middle), dv = sampleRow(k) - sampleRow(middle);
-    mirrors[k] = mirror.ray;
-    mirrors[k].direction += du * mirror.ray.ddx + dv * mirror.ray.ddy;
-  }
-  return radiance + mirror.share * mirroredLight(mirrors, members);
-}
-
-float Renderer::mirroredLight(const PixelRay* rays, unsigned members) {
-  RayPacket packet = emptyPacket();
-  for (int k = 0; k < kPacket; ++k) {
-    if ((members >> k & 1U) != 0) setRay(packet, k, rays[k]);
-  }
-  Hit hits[kPacket];
-  stage_.tracer().nearest(packet, hits);
-  int surfaces[kPacket];
-  for (int k = 0; k < kPacket; ++k) surfaces[k] = Stage::surfaceOf(hits[k], packet.direction[k]);
-  float sum = 0.0F;
-  forGroups(surfaces, members, [&](int, unsigned group) {
-    Mirror none;
-    const int middle = middleOf(group);
-    sum += shader_.radiance(stage_.resolve(rays[middle], hits[middle]), rays[middle], none) *
-           static_cast<float>(__builtin_popcount(group));
+/// Traces the rays of `whole` and queues a part for each surface that they meet.
+void Renderer::queueParts(const PixelRays& all, unsigned members, const Part& whole,
+                          Parts& queue) const {
+  PixelRays rays = all;
+  rays.reachFloor();
+  HitPacket hits;
+  stage_.tracer().nearest(rays, members, hits);
+  IntLanes surfaces;
+  Stage::surfacesOf(rays, hits, surfaces);
+  const auto count = static_cast<float>(__builtin_popcount(members));
+  forGroups(surfaces, members, [&](int surface, unsigned group) {
+    Part part = whole;
+    part.middle = middleOf(group);
+    part.ray = rays.get(part.middle);
+    part.hit = hits.get(part.middle);
+    part.surface = surface;
+    part.members = group;
+    part.share *= static_cast<float>(__builtin_popcount(group)) / count;
+    queue.push_back(part);
   });
-  return sum / static_cast<float>(__builtin_popcount(members));
+}
+
+void Renderer::shadeQueues(std::vector<float>& radiance) {
+  shadeParts(parts_, radiance);
+  shadeParts(mirrored_parts_, radiance);
+  parts_.clear();
+  mirrored_parts_.clear();
+}
+
+/// Shades parts of the same surface together, sixteen at once.
+void Renderer::shadeParts(const Parts& parts, std::vector<float>& radiance) {
+  order_.clear();
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const auto surface = static_cast<std::uint64_t>(parts[i].surface - kNothing);
+    order_.push_back(surface << 32 | i);
+  }
+  std::sort(order_.begin(), order_.end());
+  for (std::size_t i = 0; i < order_.size();) i = shadePacket(parts, i, radiance);
+}
+
+/// Shades the parts from the first-th in order on that share its surface; returns the next one.
+std::size_t Renderer::shadePacket(const Parts& parts, std::size_t first,
+                                  std::vector<float>& radiance) {
+  const auto part = [&](int k) -> const Part& {
+    return parts[order_[first + static_cast<std::size_t>(k)] & 0xFFFFFFFFU];
+  };
+  PixelRays rays;
+  HitPacket hits;
+  float weight = 0.0F;
+  int count = 0;
+  const int surface = part(0).surface;
+  for (; count < kPacket && first + static_cast<std::size_t>(count) < order_.size(); ++count) {
+    if (part(count).surface != surface) break;
+    rays.set(count, part(count).ray);
+    hits.set(count, part(count).hit);
+    weight = std::max(weight, part(count).weight);
+  }
+  const unsigned members = (1U << count) - 1U;
+  Lanes light;
+  Mirrors mirrors;
+  shader_.radiance(surface, members, rays, hits, weight, light, mirrors);
+  const bool mirroring = surface == kFloor && shader_.glossyFloor();
+  for (int k = 0; k < count; ++k) {
+    radiance[part(k).pixel] += part(k).share * part(k).weight * light[k];
+    if (!mirroring || mirrors.share[k] <= 0.0F) continue;
+    queueMirror(part(k), mirrors.rays.get(k), mirrors.share[k]);
+  }
+  return first + static_cast<std::size_t>(count);
 }
 
 }  // namespace ipm_mapping::sim

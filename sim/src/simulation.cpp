@@ -21,13 +21,16 @@ void writeVector(std::ostream& out, const Eigen::Vector3d& v) {
   out << "[" << v.x() << ", " << v.y() << ", " << v.z() << "]";
 }
 
+/// What is too low to be an obstacle is written as a line: nobody collides with a rug.
 void writeFootprint(std::ostream& out, const Footprint& footprint) {
+  std::vector<Point> points = footprint.points;
+  const bool solid = footprint.closed && footprint.height >= kObstacleHeight;
+  if (footprint.closed && !solid) points.push_back(points.front());
   out << "{\"name\": \"" << footprint.name << "\", \"kind\": \"" << footprint.kind
-      << "\", \"height\": " << footprint.height << ", \""
-      << (footprint.closed ? "polygon" : "polyline") << "\": [";
-  for (std::size_t i = 0; i < footprint.points.size(); ++i) {
-    const Point& p = footprint.points[i];
-    out << (i == 0 ? "[" : ", [") << p.x() << ", " << p.y() << "]";
+      << "\", \"height\": " << footprint.height << ", \"" << (solid ? "polygon" : "polyline")
+      << "\": [";
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    out << (i == 0 ? "[" : ", [") << points[i].x() << ", " << points[i].y() << "]";
   }
   out << "]}";
 }

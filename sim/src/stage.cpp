@@ -1,7 +1,7 @@
 #include "ipm_mapping_sim/stage.hpp"
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
+#include <algorithm>
 
 namespace ipm_mapping::sim {
 namespace {
@@ -9,12 +9,36 @@ namespace {
 constexpr float kStageSize = 200.0F;
 constexpr float kLift = 3e-3F;  // out of a hollow surface's own triangles, still under a plank
 
-/// Change of the point on the plane when the ray's direction changes by `change`.
-Eigen::Vector3f slide(const PixelRay& ray, float distance, const Eigen::Vector3f& normal,
-                      const Eigen::Vector3f& change) {
-  const float facing = normal.dot(ray.direction);
-  const float safe = std::abs(facing) < 1e-5F ? std::copysign(1e-5F, facing) : facing;
-  return distance * (change - ray.direction * (normal.dot(change) / safe));
+/// Change of the points on their planes when the rays' directions change by `change`.
+inline void slide(const PixelRays& rays, const Lanes& distance, const Lanes3& normal,
+                  const Lanes3& change, Lanes3& out) {
+#pragma omp simd
+  for (int k = 0; k < kPacket; ++k) {
+    const float nx = normal.x[k], ny = normal.y[k], nz = normal.z[k];
+    const float dx = rays.direction.x[k], dy = rays.direction.y[k], dz = rays.direction.z[k];
+    const float facing = nx * dx + ny * dy + nz * dz;
+    const float safe = facing >= 0.0F ? std::max(facing, 1e-5F) : std::min(facing, -1e-5F);
+    const float along = (nx * change.x[k] + ny * change.y[k] + nz * change.z[k]) / safe;
+    out.x[k] = distance[k] * (change.x[k] - dx * along);
+    out.y[k] = distance[k] * (change.y[k] - dy * along);
+    out.z[k] = distance[k] * (change.z[k] - dz * along);
+  }
+}
+
+inline void setLane(Lanes3& lanes, int k, const Eigen::Vector3f& v) {
+  lanes.x[k] = v.x();
+  lanes.y[k] = v.y();
+  lanes.z[k] = v.z();
+}
+
+/// Changes of the surface coordinates over a pixel's change on the surface.
+inline void project(const Lanes3& grad_s, const Lanes3& grad_t, const Lanes3& step, Lanes2& out) {
+#pragma omp simd
+  for (int k = 0; k < kPacket; ++k) {
+    const float x = step.x[k], y = step.y[k], z = step.z[k];
+    out.x[k] = grad_s.x[k] * x + grad_s.y[k] * y + grad_s.z[k] * z;
+    out.y[k] = grad_t.x[k] * x + grad_t.y[k] * y + grad_t.z[k] * z;
+  }
 }
 
 }  // namespace
@@ -49,64 +73,72 @@ void Stage::addFacets(const Patch& patch) {
       facet.grad_s = s1.x() * d1 + s2.x() * d2;
       facet.grad_t = s1.y() * d1 + s2.y() * d2;
     }
+    const auto edges = [&](const auto& values, auto* out) {
+      out[0] = values[static_cast<std::size_t>(c[0])];
+      for (int k = 1; k < 3; ++k) out[k] = values[static_cast<std::size_t>(c[k])] - out[0];
+    };
+    edges(patch.points, facet.point);
+    edges(patch.normals, facet.shading_normal);
+    edges(patch.coords, facet.coords);
     facets_.push_back(facet);
   }
 }
 
-float Stage::reach(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) {
-  return direction.z() < -1e-6F ? std::min(-origin.z() / direction.z(), kStageSize) : kStageSize;
-}
-
-int Stage::surfaceOf(const Hit& hit, const Eigen::Vector3f& direction) {
-  if (hit.patch >= 0) return hit.patch;
-  return direction.z() < -1e-4F ? kFloor : kSky;
-}
-
-SurfacePoint Stage::resolve(const PixelRay& ray, const Hit& hit) const {
-  SurfacePoint point;
-  point.surface = surfaceOf(hit, ray.direction);
-  if (point.surface == kSky) return point;
-  if (point.surface == kFloor) {
-    const float distance = -ray.origin.z() / ray.direction.z();
-    point.normal = Eigen::Vector3f::UnitZ();
-    point.position = ray.at(distance);
-    point.position.z() = 0.0F;
-    point.dpdx = slide(ray, distance, point.normal, ray.ddx);
-    point.dpdy = slide(ray, distance, point.normal, ray.ddy);
-    point.coords = point.position.head<2>();
-    point.pixel = {point.dpdx.head<2>(), point.dpdy.head<2>()};
-    return point;
+SIM_LANES void Stage::surfacesOf(const RayPacket& rays, const HitPacket& hits, IntLanes& surfaces) {
+#pragma omp simd
+  for (int k = 0; k < kPacket; ++k) {
+    const int open = rays.direction.z[k] < -1e-4F ? kFloor : kSky;
+    surfaces[k] = hits.patch[k] >= 0 ? hits.patch[k] : open;
   }
-  const Patch& patch = *patches_[static_cast<std::size_t>(hit.patch)];
-  const Facet& facet = facets_[first_facet_[static_cast<std::size_t>(hit.patch)] +
-                               static_cast<std::size_t>(hit.prim)];
-  const Eigen::Vector3i c = patch.triangle(hit.prim);
-  const auto blend = [&](const auto& values) {
-    return ((1.0F - hit.u - hit.v) * values[static_cast<std::size_t>(c[0])] +
-            hit.u * values[static_cast<std::size_t>(c[1])] +
-            hit.v * values[static_cast<std::size_t>(c[2])])
-        .eval();
-  };
-  point.position = blend(patch.points);
-  point.normal = blend(patch.normals).normalized();
-  point.coords = blend(patch.coords);
-  point.dpdx = slide(ray, hit.distance, facet.normal, ray.ddx);
-  point.dpdy = slide(ray, hit.distance, facet.normal, ray.ddy);
-  point.pixel = {{facet.grad_s.dot(point.dpdx), facet.grad_t.dot(point.dpdx)},
-                 {facet.grad_s.dot(point.dpdy), facet.grad_t.dot(point.dpdy)}};
-  const int cell = hit.prim / 2, column = cell % (patch.cols - 1), row = cell / (patch.cols - 1);
-  const bool lower = hit.prim % 2 == 0;
-  point.grid = {static_cast<float>(column) + hit.u + (lower ? hit.v : 0.0F),
-                static_cast<float>(row) + hit.v + (lower ? 0.0F : hit.u)};
-  return point;
+}
+
+SIM_LANES void Stage::resolveFloor(const PixelRays& rays, PointPacket& points) {
+  Lanes distance;
+#pragma omp simd
+  for (int k = 0; k < kPacket; ++k) {
+    distance[k] = -rays.origin.z[k] / rays.direction.z[k];
+    points.position.x[k] = rays.origin.x[k] + distance[k] * rays.direction.x[k];
+    points.position.y[k] = rays.origin.y[k] + distance[k] * rays.direction.y[k];
+    points.position.z[k] = points.normal.x[k] = points.normal.y[k] = 0.0F;
+    points.normal.z[k] = 1.0F;
+  }
+  slide(rays, distance, points.normal, rays.ddx, points.dpdx);
+  slide(rays, distance, points.normal, rays.ddy, points.dpdy);
+  points.coords = {points.position.x, points.position.y};
+  points.pixel = {{points.dpdx.x, points.dpdx.y}, {points.dpdy.x, points.dpdy.y}};
+}
+
+SIM_LANES void Stage::resolvePatch(int patch, const PixelRays& rays, const HitPacket& hits,
+                                   PointPacket& points) const {
+  const int columns = patches_[static_cast<std::size_t>(patch)]->cols - 1;
+  Lanes3 plane, grad_s, grad_t;
+  for (int k = 0; k < kPacket; ++k) {
+    const Facet& facet = this->facet(patch, hits.prim[k]);
+    const float u = hits.u[k], v = hits.v[k];
+    const auto blend = [&](const auto& value) { return value[0] + u * value[1] + v * value[2]; };
+    setLane(points.position, k, blend(facet.point));
+    setLane(points.normal, k, blend(facet.shading_normal).normalized());
+    const Eigen::Vector2f coords = blend(facet.coords);
+    points.coords.x[k] = coords.x();
+    points.coords.y[k] = coords.y();
+    setLane(plane, k, facet.normal);
+    setLane(grad_s, k, facet.grad_s);
+    setLane(grad_t, k, facet.grad_t);
+    const int cell = hits.prim[k] / 2;
+    const bool lower = hits.prim[k] % 2 == 0;
+    points.grid.x[k] = static_cast<float>(cell % columns) + u + (lower ? v : 0.0F);
+    points.grid.y[k] = static_cast<float>(cell / columns) + v + (lower ? 0.0F : u);
+  }
+  slide(rays, hits.distance, plane, rays.ddx, points.dpdx);
+  slide(rays, hits.distance, plane, rays.ddy, points.dpdy);
+  project(grad_s, grad_t, points.dpdx, points.pixel.dx);
+  project(grad_s, grad_t, points.dpdy, points.pixel.dy);
 }
 
 bool Stage::covered(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const {
   const Hit hit = tracer_->nearest(point + kLift * normal, normal, kStageSize);
   if (hit.patch < 0) return false;
-  const Facet& facet = facets_[first_facet_[static_cast<std::size_t>(hit.patch)] +
-                               static_cast<std::size_t>(hit.prim)];
-  return facet.normal.dot(normal) > 0.0F;
+  return facet(hit.patch, hit.prim).normal.dot(normal) > 0.0F;
 }
 
 }  // namespace ipm_mapping::sim

@@ -52,14 +52,17 @@ std::vector<Octave> octavesOf(Grain grain) {
       return {{30, 30, 0.3F}, {200, 200, 0.9F}, {400, 400, 0.9F}};
     case Grain::Concrete:
       return {{3, 3, 0.5F}, {8, 8, 0.5F}, {22, 22, 0.4F}, {70, 70, 0.4F}, {210, 210, 0.5F}};
+    case Grain::Marble:
+      return {{7, 7, 0.6F}, {15, 15, 0.5F}, {33, 33, 0.25F}, {150, 150, 0.1F}};
   }
   return {};
 }
 
-/// Rounded blotches with thin dark rims for stone, the plain sum elsewhere.
+/// Rounded blotches with thin dark rims for stone, dark veins for marble, the plain sum elsewhere.
 float shape(Grain grain, float sum) {
   if (grain == Grain::Speckle) return std::tanh(1.4F * sum);
   if (grain == Grain::Wood) return std::tanh(1.2F * sum) + 0.25F * std::sin(9.0F * sum);
+  if (grain == Grain::Marble) return std::tanh(4.0F * std::abs(sum));
   return sum;
 }
 
@@ -102,15 +105,12 @@ std::vector<float> halved(const std::vector<float>& fine, int n) {
   return coarse;
 }
 
-std::vector<float> padded(const std::vector<float>& texels, int n) {
-  std::vector<float> out;
-  out.reserve(static_cast<std::size_t>(n + 1) * static_cast<std::size_t>(n + 1));
+void appendPadded(const std::vector<float>& texels, int n, std::vector<float>& out) {
   for (int j = 0; j <= n; ++j) {
     const float* row = texels.data() + static_cast<std::ptrdiff_t>(j % n) * n;
     out.insert(out.end(), row, row + n);
     out.push_back(row[0]);
   }
-  return out;
 }
 
 }  // namespace
@@ -118,7 +118,8 @@ std::vector<float> padded(const std::vector<float>& texels, int n) {
 Texture::Texture(Grain grain, std::uint64_t seed) {
   std::vector<float> texels = baseLevel(grain, seed);
   for (int level = 0; level < kLevels; ++level) {
-    levels_[level] = padded(texels, kSize >> level);
+    first_[level] = static_cast<std::int32_t>(texels_.size());
+    appendPadded(texels, kSize >> level, texels_);
     if (level + 1 < kLevels) texels = halved(texels, kSize >> level);
   }
   const Octave finest = octavesOf(grain).back();
@@ -126,47 +127,87 @@ Texture::Texture(Grain grain, std::uint64_t seed) {
   while ((4 << smooth_level_) < spacing) ++smooth_level_;
 }
 
-float Texture::sum(int level, const Taps& taps) const {
-  const int n = kSize >> level, mask = n - 1;
-  const auto scale = static_cast<float>(n);
-  const float* texels = levels_[level].data();
-  float total = 0.0F;
-  for (int k = 0; k < taps.count; ++k) {
-    const float x = (taps.first.x() + static_cast<float>(k) * taps.step.x()) * scale - 0.5F;
-    const float y = (taps.first.y() + static_cast<float>(k) * taps.step.y()) * scale - 0.5F;
-    const int i = static_cast<int>(x), j = static_cast<int>(y);
-    const float u = x - static_cast<float>(i), v = y - static_cast<float>(j);
-    const float* low = texels + (j & mask) * (n + 1) + (i & mask);
-    const float* high = low + n + 1;
-    const float left = low[0] + v * (high[0] - low[0]), right = low[1] + v * (high[1] - low[1]);
-    total += left + u * (right - left);
+/// Up to six taps along the footprint's longer axis, on the level that its shorter one asks for.
+SIM_LANES void Texture::place(const Lanes2& p, const FootprintPacket& pixel, float repeat,
+                              Taps& taps) const {
+  constexpr float longest = 6.0F;
+  const float scale = 1.0F / repeat, texels = scale * kSize;
+  const auto smooth = static_cast<float>(1 << smooth_level_);
+  const int finest = smooth_level_;
+#pragma omp simd
+  for (int k = 0; k < kPacket; ++k) {
+    const float ax = pixel.dx.x[k], ay = pixel.dx.y[k], bx = pixel.dy.x[k], by = pixel.dy.y[k];
+    const float aa = ax * ax + ay * ay, bb = bx * bx + by * by;
+    const float major_x = scale * (aa > bb ? ax : bx), major_y = scale * (aa > bb ? ay : by);
+    const float length = texels * std::sqrt(std::max(aa, bb));
+    const float across = std::abs(ax * by - ay * bx) * texels * texels / std::max(length, 1e-9F);
+    const float minor = std::max(across, std::max(length / longest, smooth));
+    const bool fine = length <= 1.4F * smooth;  // one tap is as good as the footprint
+    const float wanted = std::max(log2Of(minor) - 0.5F, static_cast<float>(finest));
+    const float coarse = wanted < kLevels - 3 ? wanted : kLevels - 1;  // the mean of all
+    const float level = fine ? 0.0F : coarse;
+    const int whole = std::min(static_cast<int>(level), kLevels - 2);
+    const int count = fine ? 1 : std::max(1, static_cast<int>(length / minor + 0.75F));
+    const float share = 1.0F / static_cast<float>(count), x = scale * p.x[k], y = scale * p.y[k];
+    taps.step.x[k] = fine ? 0.0F : share * major_x;
+    taps.step.y[k] = fine ? 0.0F : share * major_y;
+    const float before = 0.5F * static_cast<float>(count - 1);
+    taps.first.x[k] = x - static_cast<float>(floorOf(x)) - before * taps.step.x[k] + 4.0F;
+    taps.first.y[k] = y - static_cast<float>(floorOf(y)) - before * taps.step.y[k] + 4.0F;
+    taps.count[k] = count;
+    taps.level[k] = std::max(whole, finest);
+    const float rest = level - static_cast<float>(whole);
+    taps.finer[k] = fine ? 1.0F : 1.0F - std::min(rest, 1.0F);
   }
-  return total;
+  for (int k = 0; k < kPacket; ++k) {
+    taps.longest = std::max(taps.longest, taps.count[k]);
+    taps.blends |= taps.finer[k] < 1.0F;
+  }
 }
 
-float Texture::sample(Eigen::Vector2f p, const Footprint2& pixel) const {
-  constexpr float longest = 6.0F;  // taps along a stretched footprint
-  const float xx = pixel.dx.squaredNorm(), yy = pixel.dy.squaredNorm();
-  const Eigen::Vector2f major = xx > yy ? pixel.dx : pixel.dy;
-  const float length = std::sqrt(std::max(xx, yy)) * kSize;
-  const Eigen::Vector2f inside(p.x() - static_cast<float>(floorOf(p.x())),
-                               p.y() - static_cast<float>(floorOf(p.y())));
-  const auto smooth = static_cast<float>(1 << smooth_level_);
-  if (length <= 1.4F * smooth) {
-    return sum(smooth_level_, {inside.array() + 1.0F, Eigen::Vector2f::Zero(), 1});
+/// Adds one tap of the footprints that have it, on the tap's level or on the next coarser one.
+SIM_LANES void Texture::addTap(const Taps& taps, int tap, int coarser, Lanes& sum) const {
+  const float* all = texels_.data();
+  Lanes2 fraction;
+  IntLanes at, stride;
+  for (int k = 0; k < kPacket; ++k) {
+    const int level = taps.level[k] + coarser, n = kSize >> level;
+    stride[k] = n + 1;
+    at[k] = first_[level];
   }
-  const float area = std::abs(pixel.dx.x() * pixel.dy.y() - pixel.dx.y() * pixel.dy.x());
-  const float across = area * kSize * kSize / length;
-  const float minor = std::max(across, std::max(length / longest, smooth));
-  const float level = std::log2(minor) - 0.5F;
-  const int fine = static_cast<int>(level);
-  if (fine >= kLevels - 3) return levels_[kLevels - 1][0];
-  const int count = std::max(1, static_cast<int>(length / minor + 0.75F));
-  const float share = 1.0F / static_cast<float>(count);
-  const Taps taps{(inside + (0.5F * share - 0.5F) * major).array() + 4.0F, share * major, count};
-  if (level <= static_cast<float>(smooth_level_)) return share * sum(smooth_level_, taps);
-  const float a = sum(fine, taps), b = sum(fine + 1, taps);
-  return share * (a + (level - static_cast<float>(fine)) * (b - a));
+#pragma omp simd
+  for (int k = 0; k < kPacket; ++k) {
+    const int mask = stride[k] - 2;
+    const auto size = static_cast<float>(stride[k] - 1), t = static_cast<float>(tap);
+    const float x = (taps.first.x[k] + t * taps.step.x[k]) * size - 0.5F;
+    const float y = (taps.first.y[k] + t * taps.step.y[k]) * size - 0.5F;
+    const int i = static_cast<int>(x), j = static_cast<int>(y);
+    fraction.x[k] = x - static_cast<float>(i);
+    fraction.y[k] = y - static_cast<float>(j);
+    at[k] += (j & mask) * stride[k] + (i & mask);
+  }
+#pragma omp simd
+  for (int k = 0; k < kPacket; ++k) {
+    const int low = at[k], high = low + stride[k];
+    const float left = all[low] + fraction.y[k] * (all[high] - all[low]);
+    const float right = all[low + 1] + fraction.y[k] * (all[high + 1] - all[low + 1]);
+    const float value = left + fraction.x[k] * (right - left);
+    const float level = coarser == 0 ? taps.finer[k] : 1.0F - taps.finer[k];
+    const float share = tap < taps.count[k] ? 1.0F / static_cast<float>(taps.count[k]) : 0.0F;
+    sum[k] += share * level * value;
+  }
+}
+
+void Texture::sample(const Lanes2& p, const FootprintPacket& pixel, float repeat,
+                     Lanes& out) const {
+  Taps taps;
+  place(p, pixel, repeat, taps);
+  Lanes sum{};
+  for (int tap = 0; tap < taps.longest; ++tap) {
+    addTap(taps, tap, 0, sum);
+    if (taps.blends) addTap(taps, tap, 1, sum);
+  }
+  out = sum;
 }
 
 const Texture* TextureSet::get(Grain grain) {
@@ -174,20 +215,6 @@ const Texture* TextureSet::get(Grain grain) {
   auto& texture = textures_[static_cast<std::size_t>(grain)];
   if (!texture) texture = std::make_unique<Texture>(grain, seed_);
   return texture.get();
-}
-
-float gapCoverage(float x, float extent, float period, float gap) {
-  const float box = std::max(extent, 1e-6F), per_metre = 1.0F / period;
-  const auto integral = [&](float at) {  // of the gaps' indicator from 0 to `at`
-    const float shifted = at + 0.5F * gap;
-    const auto cell = static_cast<float>(floorOf(shifted * per_metre));
-    return cell * gap + std::min(shifted - cell * period, gap);
-  };
-  return (integral(x + 0.5F * box) - integral(x - 0.5F * box)) / box;
-}
-
-float edgeCoverage(float inside, float extent) {
-  return std::clamp(0.5F + inside / std::max(extent, 1e-6F), 0.0F, 1.0F);
 }
 
 }  // namespace ipm_mapping::sim

@@ -1,6 +1,6 @@
 #include "ipm_mapping_sim/tracer.hpp"
 
-#include <limits>
+#include <cstring>
 #include <stdexcept>
 
 namespace ipm_mapping::sim {
@@ -29,16 +29,16 @@ void attach(RTCDevice device, RTCScene scene, const Patch& patch, unsigned id) {
 
 template <class Packet>
 void fill(const RayPacket& rays, Packet& packet) {
+  const auto copy = [](float* to, const Lanes& from) { std::memcpy(to, from.v, sizeof from.v); };
+  copy(packet.org_x, rays.origin.x);
+  copy(packet.org_y, rays.origin.y);
+  copy(packet.org_z, rays.origin.z);
+  copy(packet.dir_x, rays.direction.x);
+  copy(packet.dir_y, rays.direction.y);
+  copy(packet.dir_z, rays.direction.z);
+  copy(packet.tfar, rays.reach);
   for (int k = 0; k < kPacket; ++k) {
-    packet.org_x[k] = rays.origin[k].x();
-    packet.org_y[k] = rays.origin[k].y();
-    packet.org_z[k] = rays.origin[k].z();
-    packet.dir_x[k] = rays.direction[k].x();
-    packet.dir_y[k] = rays.direction[k].y();
-    packet.dir_z[k] = rays.direction[k].z();
-    packet.tnear[k] = 0.0F;
-    packet.tfar[k] = rays.reach[k];
-    packet.time[k] = 0.0F;
+    packet.tnear[k] = packet.time[k] = 0.0F;
     packet.mask[k] = ~0U;
     packet.id[k] = static_cast<unsigned>(k);
     packet.flags[k] = 0;
@@ -71,19 +71,22 @@ Tracer::~Tracer() {
   rtcReleaseDevice(device_);
 }
 
-void Tracer::nearest(const RayPacket& rays, Hit* hits) const {
+void Tracer::nearest(const RayPacket& rays, unsigned active, HitPacket& hits) const {
   RTCIntersectContext context = coherentContext();
   RTCRayHit16 packet;
   fill(rays, packet.ray);
-  for (int k = 0; k < kPacket; ++k) packet.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect16(rays.active, scene_, &context, &packet);
+  alignas(64) int valid[kPacket];
   for (int k = 0; k < kPacket; ++k) {
-    if (packet.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) {
-      hits[k] = Hit{};
-    } else {
-      hits[k] = {static_cast<int>(packet.hit.geomID[k]), static_cast<int>(packet.hit.primID[k]),
-                 packet.hit.u[k], packet.hit.v[k], packet.ray.tfar[k]};
-    }
+    packet.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
+    valid[k] = contains(active, k) ? -1 : 0;
+  }
+  rtcIntersect16(valid, scene_, &context, &packet);
+  for (int k = 0; k < kPacket; ++k) {
+    hits.patch[k] = static_cast<int>(packet.hit.geomID[k]);  // RTC_INVALID_GEOMETRY_ID is -1
+    hits.prim[k] = static_cast<int>(packet.hit.primID[k]);
+    hits.u[k] = packet.hit.u[k];
+    hits.v[k] = packet.hit.v[k];
+    hits.distance[k] = packet.ray.tfar[k];
   }
 }
 
@@ -106,11 +109,11 @@ unsigned Tracer::blocked(const RayPacket& rays) const {
   RTCIntersectContext context = coherentContext();
   RTCRay16 packet;
   fill(rays, packet);
-  rtcOccluded16(rays.active, scene_, &context, &packet);
+  alignas(64) int valid[kPacket];
+  for (int& lane : valid) lane = -1;
+  rtcOccluded16(valid, scene_, &context, &packet);
   unsigned bits = 0;
-  for (int k = 0; k < kPacket; ++k) {
-    if (rays.active[k] != 0 && packet.tfar[k] < 0.0F) bits |= 1U << k;
-  }
+  for (int k = 0; k < kPacket; ++k) bits |= static_cast<unsigned>(packet.tfar[k] < 0.0F) << k;
   return bits;
 }
 

@@ -87,6 +87,8 @@ void StageMonitor::summarize(diagnostic_updater::DiagnosticStatusWrapper& status
                    period_.faults.commonest());
   else if (period_.received == 0)
     status.summary(DiagnosticStatus::WARN, "nothing comes in on " + expected_);
+  else if (!concern_.empty())
+    status.summary(DiagnosticStatus::WARN, concern_);
   else if (period_.used == 0 && period_.skipped > 0)
     status.summary(DiagnosticStatus::OK, "no new evidence: " + period_.last_skip);
   else if (period_.used == 0)

@@ -18,17 +18,30 @@ constexpr int expected_stages = 8;
 
 }  // namespace
 
-SweepDetector::SweepDetector(const SweepParameters& parameters) : parameters_(parameters) {
+SweepDetector::SweepDetector(const SweepParameters& parameters,
+                             const CalibrationParameters& calibration)
+    : parameters_(parameters),
+      calibration_mode_(calibration.mode),
+      calibration_(calibration, parameters.refinement) {
   times_.reserve(expected_stages);
 }
 
 void SweepDetector::setCamera(const CameraModel& camera, const CameraPose& T_base_camera) {
   camera_ = camera;
+  T_base_stated_ = T_base_camera;
+  calibration_.setCamera(T_base_camera);
+  configure(T_base_camera);
+  calibration_.configure(grid_, rectification_.ranges(), CalibrationVector::Zero());
+  reset();
+}
+
+/// Everything that depends on the pose that frames are rectified with.
+void SweepDetector::configure(const CameraPose& T_base_camera) {
   T_base_camera_ = T_base_camera;
   const Eigen::Vector2d foot = T_base_camera.translation().head<2>();
-  max_range_ = effectiveMaxRange(camera, T_base_camera, parameters_.grid.max_range);
-  grid_ = makePolarGrid(camera, T_base_camera, parameters_.grid, max_range_);
-  rectification_.configure(camera, T_base_camera, grid_);
+  max_range_ = effectiveMaxRange(camera_, T_base_camera, parameters_.grid.max_range);
+  grid_ = makePolarGrid(camera_, T_base_camera, parameters_.grid, max_range_);
+  rectification_.configure(camera_, T_base_camera, grid_);
   const std::vector<RowRange>& rows = rectification_.ranges();
   noise_.configure(grid_, rows, parameters_.noise);
   lattice_.configure(grid_, rows);
@@ -39,6 +52,7 @@ void SweepDetector::setCamera(const CameraModel& camera, const CameraPose& T_bas
                    parameters_.evidence);
   selection_.configure(sweep_, grid_.height, parameters_.selection);
   leaning_.configure(parameters_.selection);
+  free_floor_.configure(parameters_.selection);
   edge_.configure(parameters_.selection);
   ring_.configure(grid_, parameters_.reference);
   current_.image.resize(grid_.rows, grid_.lines);
@@ -51,12 +65,13 @@ void SweepDetector::setCamera(const CameraModel& camera, const CameraPose& T_bas
     planes.floor_cost.resize(grid_.sweepRows(), sweep_.beams());
   }
   choices_.reserve(static_cast<std::size_t>(sweep_.beams()));
-  reset();
 }
 
 void SweepDetector::reset() {
   ring_.clear();
   refinement_.forgetFloor();
+  calibration_.reset();
+  free_floor_.reset();
   seen_any_ = false;
 }
 
@@ -98,7 +113,9 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
   }
   T_odom_last_ = current_.T_odom_base;
   T_floor_last_ = current_.T_floor_base;
-  ring_.offer(current_);
+  learnCalibration();
+  kept_ = ring_.offer(current_);
+  applyCalibration();
   return status;
 }
 
@@ -161,9 +178,9 @@ void SweepDetector::compareWithReferences() {
   const Eigen::Vector2d foot = T_base_camera_.translation().head<2>();
   for (std::size_t q = 0; q < static_cast<std::size_t>(reference_count_); ++q) {
     const RectifiedFrame& reference = *references_[q];
-    motions_[q] = refinement_.refine(current_, reference,
-                                     reference.T_odom_base.inverse() * current_.T_odom_base,
+    motions_[q] = refinement_.refine(current_, reference, expectedMotion(reference),
                                      reference.T_floor_base.inverse() * current_.T_floor_base);
+    motions_[q].reference_stamp = reference.stamp;
   }
   current_.T_floor_base = references_[0]->T_floor_base * motions_[0].motion;
   lap("motion_refinement");

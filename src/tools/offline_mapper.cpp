@@ -28,17 +28,23 @@ using namespace ipm_mapping;
 struct Arguments : BagArguments {
   std::string out;
   std::string truth;
-  bool fpga = false;
+  int overlays = 0;
+  bool fpga = false, temporal_filter = false;
 
   void declareAll(CLI::App& app) {
     app.add_option("bag", options.bag, "recording with images and odometry")->required();
     app.add_option("--out", out, "folder for the results (made if missing)")->required();
     declare(app);
     app.add_flag("--fpga", fpga, "let the bit-true FPGA model find the obstacles");
+    app.add_flag("--temporal-filter", temporal_filter,
+                 "only contacts seen in several of the last used frames (memory/filter)");
     app.add_option("--truth", truth, "truth.json of a rendered scene, drawn into map.png");
+    app.add_option("--overlays", overlays, "draw every N-th used frame into overlays/NNNNNN.png")
+        ->check(CLI::PositiveNumber);
   }
   void settleAll() {
     settle();
+    options.parameters.memory.filter |= temporal_filter;
     if (fpga) options.parameters.detector.kind = DetectorKind::Fpga;
   }
 };
@@ -73,24 +79,12 @@ void summarize(const OfflineRun& run, const std::string& out) {
               static_cast<unsigned long long>(r.contacts), ms);
   std::printf(
       "results in %s: map.png, overlay.png, map.pgm, map.yaml, points.csv, obstacles.csv, "
-      "report.json\n",
+      "trajectory.csv, report.json\n",
       out.c_str());
 }
 
 void writePicture(const std::string& path, const cv::Mat& picture) {
   if (!cv::imwrite(path, picture)) throw std::runtime_error("cannot write '" + path + "'");
-}
-
-/// An input that gave nothing to work on is an error; a robot that never moved is not.
-void requireImages(const RunReport& report) {
-  if (report.images == 0) throw BagError("the image topic has no messages");
-  if (report.unusable_images == report.images) throw BagError(report.first_refusal);
-  const auto status = [&](FrameStatus s) { return report.frames[static_cast<std::size_t>(s)]; };
-  if (status(FrameStatus::SizeMismatch) > 0 && report.used() == 0)
-    throw BagError(
-        "images are not of the calibrated size; give the right calibration with "
-        "--camera-info FILE.yaml");
-  if (report.odometry.empty()) throw BagError("the odometry topic has no messages");
 }
 
 /// The most telling frame of the run: the one with the most contacts.
@@ -109,6 +103,25 @@ class OverlayFrame {
  private:
   Obstacles obstacles_;
   Image<std::uint8_t> picture_;
+};
+
+/// A film of the run: every N-th used frame, named after its number in the bag.
+class OverlaySeries {
+ public:
+  OverlaySeries(const std::string& out, int every) : folder_(out + "/overlays"), every_(every) {
+    if (every_ > 0) std::filesystem::create_directories(folder_);
+  }
+  void offer(const Obstacles& obstacles, GrayView raw) {
+    if (every_ == 0 || used_++ % every_ != 0) return;
+    char name[32];
+    std::snprintf(name, sizeof name, "/%06llu.png",
+                  static_cast<unsigned long long>(obstacles.frame));
+    writePicture(folder_ + name, drawOverlay(raw, obstacles));
+  }
+
+ private:
+  std::string folder_;
+  int every_, used_ = 0;
 };
 
 /// Outlines of a truth.json.
@@ -137,7 +150,9 @@ void writeMap(const OfflineRun& run, const Arguments& a) {
   run.map().copyTo(map);
   if (const auto error = saveMap(map, a.out + "/map")) throw std::runtime_error(*error);
   const std::string title = std::filesystem::path(a.options.bag).stem().string();
-  writePicture(a.out + "/map.png", drawMap(map, {title, run.trajectory(), readTruth(a.truth)}));
+  std::vector<SE2> way;
+  for (const TrackedFrame& frame : run.trajectory()) way.push_back(frame.T_odom_base);
+  writePicture(a.out + "/map.png", drawMap(map, {title, way, readTruth(a.truth)}));
 }
 
 /// What only the FPGA model leaves: its FIFO's words (fifo.bin) and a part of the report.
@@ -178,17 +193,20 @@ void runOn(Arguments& a) {
   RunFiles files(a.out);
   OfflineRun run(bag, camera, a.options.parameters);
   OverlayFrame overlay;
+  OverlaySeries series(a.out, a.overlays);
   FpgaFiles fpga_files(a, run.detector());
   OfflineRun::Observers observers;
   observers.used = [&](const Obstacles& obstacles, GrayView raw) {
     files.add(obstacles);
     fpga_files.add();
     overlay.offer(obstacles, raw);
+    series.offer(obstacles, raw);
   };
   observers.progress = showProgress;
   run.run(observers);
   requireImages(run.report());
   files.finish();
+  writeTrajectory(a.out, run.trajectory());
   fpga_files.finish();
   writeMap(run, a);
   overlay.write(a.out + "/overlay.png");

@@ -34,8 +34,9 @@ def box_truth(folder):
     return truth_file(folder, [{"name": "b", "kind": "box", "height": 0.3, "polygon": BOX}])
 
 
-def write_run(folder, contacts, frames=20):
-    """contacts(frame) gives robot coordinates; every frame has 80 bearings."""
+def write_run(folder, contacts, frames=20, free_range=lambda truth_range: 2.0, truth=None):
+    """contacts(frame) gives robot coordinates; every frame has 80 free bearings."""
+    angles = np.linspace(-0.65, 0.65, 80)
     points = open(os.path.join(folder, "points.csv"), "w", newline="")
     bearings = open(os.path.join(folder, "obstacles.csv"), "w", newline="")
     with points, bearings:
@@ -44,19 +45,26 @@ def write_run(folder, contacts, frames=20):
         b.writerow("stamp frame bearing angle_rad density range_m state".split())
         for frame in range(frames):
             stamp = f"{START + frame / 10:.6f}"
+            ranges = first_ranges(truth, frame, angles) if truth else np.full(80, 2.0)
             for bearing in range(80):
-                b.writerow([stamp, frame, bearing, 0, 0, 2.0, "free"])
+                b.writerow([stamp, frame, bearing, angles[bearing], 0, free_range(ranges[bearing]),
+                            "free"])
             for bearing, (x, y) in enumerate(contacts(frame)):
                 p.writerow([stamp, frame, bearing, 0, 0, x, y, x, y])
     return scoring.Run(folder)
 
 
+def first_ranges(truth, frame, angles):
+    """Distance of the first outline along angles of the robot."""
+    pose = truth.pose(START + frame / 10)
+    foot = truth.to_world(pose, [truth.place[:2]])[0]
+    return truth.first_outlines(foot, pose[2] + angles)[0]
+
+
 def perfect(truth, frame):
     """Contacts along 80 bearings where the first outline is, in robot coordinates."""
-    pose = truth.pose(START + frame / 10)
     angles = np.linspace(-0.65, 0.65, 80)
-    foot = truth.to_world(pose, [truth.place[:2]])[0]
-    distance, _ = truth.first_outlines(foot, pose[2] + angles)
+    distance = first_ranges(truth, frame, angles)
     return [(0.05 + d * math.cos(a), d * math.sin(a))
             for d, a in zip(distance, angles) if math.isfinite(d)]
 
@@ -93,6 +101,30 @@ class ScoreTest(unittest.TestCase):
         figures = self.figures(lambda contacts: [c for c in contacts if c[1] > 0.1])
         self.assertGreater(figures["recall_percent"], 35.0)
         self.assertLess(figures["recall_percent"], 75.0)
+
+    def free_beyond(self, free_range):
+        truth = box_truth(self.folder.name)
+        run = write_run(self.folder.name, lambda frame: [], free_range=free_range, truth=truth)
+        return scoring.score(truth, run)["free_beyond_percent"]
+
+    def test_free_ranges_up_to_the_obstacles_promise_nothing_behind_them(self):
+        self.assertEqual(self.free_beyond(lambda first: min(first, 2.0)), 0.0)
+        self.assertEqual(self.free_beyond(lambda first: min(first + 0.09, 2.0)), 0.0)
+
+    def test_free_ranges_that_end_behind_the_obstacles_are_counted(self):
+        blind = self.free_beyond(lambda first: 2.0)
+        self.assertGreater(blind, 25.0)  # the box takes a third of the view
+        self.assertLess(blind, 60.0)
+        self.assertAlmostEqual(self.free_beyond(lambda first: min(first + 0.11, 2.0)), blind)
+
+    def test_only_free_bearings_count_as_free(self):
+        truth = box_truth(self.folder.name)
+        run = write_run(self.folder.name, lambda frame: [])
+        for row in run.bearings:
+            row["state"] = "occupied" if row["bearing"] != "3" else "unknown"
+        figures = scoring.score(truth, run)
+        self.assertEqual(figures["free_bearings"], 0)
+        self.assertIsNone(figures["free_beyond_percent"])
 
     def test_contacts_on_an_empty_floor_are_counted_per_bearing(self):
         truth = truth_file(self.folder.name, [

@@ -208,6 +208,8 @@ struct SelectionParameters {
   double straddle_ratio = 1.5;
   double free_cost = 1.3;
   int free_halo = 4;
+  double free_gap = 0.3;
+  double near_memory = 30.0;
   double blocked_cost = 2.0;
   int free_window = 15;
 
@@ -256,6 +258,11 @@ struct SelectionParameters {
           "floor is called free no farther than the contacts this many beams beside it: an "
           "obstacle's "
           "plain parts look like floor");
+    field("free_gap", self.free_gap, Unit{"m"}, Range{0.0, 10.0},
+          "between two contacts closer together than this nothing behind them is free: no robot "
+          "passes there");
+    field("near_memory", self.near_memory, Unit{"s"}, Range{0.0, 3600.0},
+          "how long a contact that passed below the view goes on hiding what is behind it; 0: not");
     field("blocked_cost", self.blocked_cost, Unit{"sigma^2"}, Range{0.0, 9.0},
           "a beam without contact whose nearest floor costs more than this is blocked: something "
           "stands nearer than the view");

@@ -43,6 +43,8 @@ class StageMonitor {
 
   /// A figure that diagnostics show.
   void set(const std::string& name, double value) { values_[name] = value; }
+  /// A sentence that turns OK into WARN until it is taken back (empty).
+  void setConcern(const std::string& sentence) { concern_ = sentence; }
   /// Nobody listens: no input is no fault.
   void setAsleep(bool asleep) { asleep_ = asleep; }
   [[nodiscard]] std::uint64_t counter(const std::string& reason) const;
@@ -59,7 +61,7 @@ class StageMonitor {
   void listFaults(diagnostic_updater::DiagnosticStatusWrapper& status) const;
   [[nodiscard]] bool timeToSay(const std::string& sentence);
 
-  std::string name_, expected_;
+  std::string name_, expected_, concern_;
   std::map<std::string, std::uint64_t> counters_;
   std::map<std::string, double> values_;
   std::map<std::string, ros::WallTime> said_;

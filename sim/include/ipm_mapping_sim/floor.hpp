@@ -6,19 +6,19 @@
 
 namespace ipm_mapping::sim {
 
-/// The floor under one pixel.
+/// The floor under sixteen pixels.
 struct FloorLook {
-  float albedo = 0.0F;
-  float gloss = 1.0F;                              ///< share that is not gap
-  Eigen::Vector2f tilt = Eigen::Vector2f::Zero();  ///< slope of the cell
+  Lanes albedo;
+  Lanes gloss;  ///< share that is not gap
+  Lanes2 tilt;  ///< slope of the cell
 };
 
 class Floor {
  public:
   Floor(const Scene& scene, TextureSet& textures);
 
-  /// Floor at `p` (world metres) under a pixel's footprint.
-  [[nodiscard]] FloorLook at(const Eigen::Vector2f& p, const Footprint2& pixel) const;
+  /// Floor at the points under their pixels.
+  void at(const PointPacket& points, FloorLook& look) const;
 
  private:
   struct Stripe {  ///< any paint: a convex area as distances inside it
@@ -26,13 +26,31 @@ class Floor {
     Eigen::Vector2f centre, along, across;
     float half_along, half_across;
   };
-  struct Cells {
-    float gap = 0.0F, brightness = 1.0F;
-    Eigen::Vector2f shift = Eigen::Vector2f::Zero(), tilt = Eigen::Vector2f::Zero();
+  /// Where the points lie within their cells.
+  struct Places {
+    Lanes2 at;     ///< from the cell's lower corner
+    Lanes2 own;    ///< share of the pixel on this side of the nearer gap
+    Lanes single;  ///< share that is left of the difference between cells
+    IntLanes column, row;
   };
-  [[nodiscard]] Cells cellsAt(const Eigen::Vector2f& laid, const Footprint2& pixel) const;
-  [[nodiscard]] float paintShare(const Stripe& stripe, const Eigen::Vector2f& p,
-                                 const Footprint2& pixel) const;
+  struct Cells {
+    Lanes gap, brightness;
+    Lanes2 shift, tilt;
+  };
+  struct Laid {  ///< in the axes along which the floor is laid
+    Lanes2 at;
+    FootprintPacket pixel;
+    Lanes2 wide;  ///< extents of the pixel
+  };
+  void lay(const PointPacket& points, Laid& laid) const;
+  void placesOf(const Laid& laid, Places& places, Lanes& gap) const;
+  void staggered(const Laid& laid, IntLanes& row, Lanes& x) const;
+  void cellsAt(const Laid& laid, unsigned members, Cells& cells) const;
+  [[nodiscard]] float brightness(const Places& places, int k) const;
+  void grainAt(const Laid& laid, const Cells& cells, Lanes& grain) const;
+  void paint(const PointPacket& points, const Lanes& grain, const Lanes& wear, Lanes& albedo) const;
+  static bool stripeShares(const Stripe& stripe, const PointPacket& points, Lanes& shares);
+  static void discShares(const Stripe& stripe, const PointPacket& points, Lanes& shares);
 
   FloorSpec spec_;
   std::uint64_t seed_;

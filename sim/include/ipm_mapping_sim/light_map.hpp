@@ -14,12 +14,12 @@ namespace ipm_mapping::sim {
 
 constexpr int kMaxLamps = 8;
 
-/// Shares of light in 0...1 at a point; `steep` has a bit for each lamp whose share must be asked
-/// for again with shadowShare().
+/// Shares of light in 0...1 at sixteen points; `steep` has a bit for each point at which a lamp's
+/// share must be asked for again with lampShare().
 struct LightShares {
-  float ambient = 1.0F;
-  float lamp[kMaxLamps] = {};
-  unsigned steep = 0;
+  Lanes ambient;
+  Lanes lamp[kMaxLamps];
+  unsigned steep[kMaxLamps] = {};
 };
 
 /// A square of a surface: its centre and its edges.
@@ -37,10 +37,12 @@ class LightMap {
   /// Map of one patch, or of the floor with patch == nullptr; `texel` metres a square.
   LightMap(const Stage& stage, const std::vector<LampSpec>& lamps, const Patch* patch, float texel);
 
-  [[nodiscard]] LightShares at(const SurfacePoint& point);
+  /// Shares at the members of a packet; the other lanes see all light.
+  void at(const PointPacket& points, LightShares& out);
 
  private:
   static constexpr int kTile = 32, kStored = kTile + 1, kBaked = kTile + 3;
+  static constexpr int kNoLimit[2] = {-(1 << 30), 1 << 30};
   struct Tile {
     std::vector<float> shares;        ///< kStored^2 squares x (1 + lamps)
     std::vector<std::uint8_t> steep;  ///< kTile^2 bits between four squares
@@ -51,6 +53,8 @@ class LightMap {
   };
 
   const Tile& tile(int i, int j);
+  void sampleAt(float x, float y, int lane, LightShares& out);
+  [[nodiscard]] std::vector<Baked> bakeSquares(int first_i, int first_j) const;
   [[nodiscard]] std::unique_ptr<Tile> bakeTile(int i, int j) const;
   [[nodiscard]] Texel texelAt(int i, int j) const;
   [[nodiscard]] Baked bake(const Texel& texel) const;
@@ -63,6 +67,7 @@ class LightMap {
   float texel_;
   Eigen::AlignedBox2f shaded_;  ///< part of the floor that solids can darken
   Eigen::Vector2f per_cell_ = Eigen::Vector2f::Ones();  ///< squares a cell of the patch's grid
+  int lowest_ = kNoLimit[0], highest_i_ = kNoLimit[1], highest_j_ = kNoLimit[1];  ///< squares
   std::unordered_map<std::uint64_t, std::unique_ptr<Tile>> tiles_;
   std::uint64_t last_key_ = 0;
   const Tile* last_ = nullptr;

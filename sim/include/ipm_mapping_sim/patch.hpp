@@ -22,6 +22,9 @@ struct Patch {
   [[nodiscard]] Eigen::Vector3i triangle(int prim) const;
 };
 
+/// Lower things are no obstacles: paint, rugs, thin cables.
+constexpr double kObstacleHeight = 0.015;
+
 /// Outline on the floor of something that stands there: a closed polygon, or an open polyline.
 struct Footprint {
   std::string name, kind;

@@ -29,13 +29,31 @@ class Renderer {
     Eigen::Vector3f origin;
   };
   [[nodiscard]] PixelRay rayOf(int u, int v, float du, float dv) const;
+  /// A part of a pixel that shows one surface: its middle ray stands for all of it.
+  struct Part {
+    PixelRay ray;
+    Hit hit;
+    int surface = kNothing, middle = 0;
+    float weight = 1.0F;  ///< share of the light along the ray that is seen
+    float share = 0.0F;   ///< share of the pixel
+    unsigned members = 0;
+    std::size_t pixel = 0;
+  };
+  using Parts = std::vector<Part>;
+
+  unsigned setBlock(int u0, int v0, PixelRays& rays) const;
   void renderBlock(int u0, int v0, std::vector<float>& radiance);
-  void addMirrors(int u0, int v0, const Mirror* mirrors, std::vector<float>& radiance);
-  void smoothEdges(std::vector<float>& radiance);
+  void addMirrors(const std::size_t* pixels, unsigned members, Mirrors& mirrors,
+                  std::vector<float>& radiance);
   [[nodiscard]] bool isEdge(int u, int v) const;
-  [[nodiscard]] float smoothed(int u, int v);
-  [[nodiscard]] float shadeGroup(const PixelRay* rays, const Hit* hits, unsigned members);
-  [[nodiscard]] float mirroredLight(const PixelRay* rays, unsigned members);
+  void smoothEdges(std::vector<float>& radiance);
+  void queuePixel(int u, int v);
+  void queueMirror(const Part& part, const PixelRay& mirror, float share);
+  void queueParts(const PixelRays& rays, unsigned members, const Part& whole, Parts& queue) const;
+  void shadeQueues(std::vector<float>& radiance);
+  void shadeParts(const Parts& parts, std::vector<float>& radiance);
+  std::size_t shadePacket(const Parts& parts, std::size_t first, std::vector<float>& radiance);
+
   [[nodiscard]] std::size_t index(int u, int v) const {
     return static_cast<std::size_t>(v) * static_cast<std::size_t>(lens_.width()) +
            static_cast<std::size_t>(u);
@@ -47,6 +65,8 @@ class Renderer {
   Shader shader_;
   std::vector<View> views_;
   std::vector<int> seen_, mirrored_;  ///< surface of each pixel, and of its mirror image
+  Parts parts_, mirrored_parts_;      ///< of edge pixels, to be shaded
+  std::vector<std::uint64_t> order_;
 };
 
 }  // namespace ipm_mapping::sim

@@ -16,7 +16,7 @@ namespace ipm_mapping::sim {
 
 using Point = Eigen::Vector2d;
 
-enum class Grain { None, Speckle, Clouds, Wood, Fibre, Concrete };
+enum class Grain { None, Speckle, Clouds, Wood, Fibre, Concrete, Marble };
 enum class Pattern { None, Bands, Carton, Books };
 enum class ObstacleKind { Box, Cylinder, Cone, Legs, Heap, Cable, Pallet, Shelf };
 enum class PaintKind { Line, Patch, Disc };
@@ -324,8 +324,8 @@ double driveDuration(const Scene& scene);
 
 namespace ipm_mapping {
 template <>
-inline constexpr std::array<const char*, 6> enum_names<sim::Grain>{"none", "speckle", "clouds",
-                                                                   "wood", "fibre",   "concrete"};
+inline constexpr std::array<const char*, 7> enum_names<sim::Grain>{
+    "none", "speckle", "clouds", "wood", "fibre", "concrete", "marble"};
 template <>
 inline constexpr std::array<const char*, 4> enum_names<sim::Pattern>{"none", "bands", "carton",
                                                                      "books"};

@@ -10,10 +10,10 @@
 
 namespace ipm_mapping::sim {
 
-/// The mirrored ray of a glossy floor point and the share of light that comes along it.
-struct Mirror {
-  PixelRay ray;
-  float share = 0.0F;
+/// The mirrored rays of glossy floor points and the shares of light that come along them.
+struct Mirrors {
+  PixelRays rays;
+  Lanes share;
 };
 
 class Shader {
@@ -21,30 +21,35 @@ class Shader {
   Shader(const Scene& scene, const Stage& stage);
 
   [[nodiscard]] bool glossyFloor() const { return scene_.floor.reflection > 0.0; }
-  /// Light of the ceiling and the lamps along a ray that meets nothing.
-  [[nodiscard]] float sky(const Eigen::Vector3f& direction) const;
-  /// Radiance of a solid's surface.
-  float solid(const SurfacePoint& point);
-  /// Radiance of the floor without its mirror image; `mirror` is filled on a glossy floor.
-  float floor(const SurfacePoint& point, const PixelRay& ray, Mirror& mirror);
-  /// Any of the three.
-  float radiance(const SurfacePoint& point, const PixelRay& ray, Mirror& mirror);
+  /// Radiance of the members' surface, which is `surface` for all of them. Where it is a glossy
+  /// floor `mirrors` is filled, and the radiance is without what comes along the mirrored rays.
+  /// `weight`: at most this share of a pixel's light comes from here.
+  void radiance(int surface, unsigned members, const PixelRays& rays, const HitPacket& hits,
+                float weight, Lanes& out, Mirrors& mirrors);
 
  private:
   struct Lit {
-    float diffuse = 0.0F, lamp[kMaxLamps] = {};
-    Eigen::Vector3f to_lamp[kMaxLamps];  ///< unit vectors, of the lamps with light
+    Lanes diffuse, lamp[kMaxLamps];
+    Lanes3 to_lamp[kMaxLamps];  ///< unit vectors
   };
-  Lit light(LightMap& map, const SurfacePoint& point) const;
-  [[nodiscard]] float albedoOf(const SurfacePoint& point) const;
-  [[nodiscard]] float highlights(const Eigen::Vector3f& normal, const Eigen::Vector3f& to_eye,
-                                 const Lit& lit) const;
+  void sky(const PixelRays& rays, Lanes& out) const;
+  void solid(int patch, const PointPacket& points, Lanes& out);
+  [[nodiscard]] LightMap& floorMap(const PointPacket& points);
+  void floor(const PointPacket& points, const PixelRays& rays, Lanes& out, Mirrors& mirrors);
+  void light(LightMap& map, const PointPacket& points, Lit& lit) const;
+  void addLamp(std::size_t index, const PointPacket& points, LightShares& shares, Lit& lit) const;
+  void shadows(std::size_t index, const PointPacket& points, LightShares& shares) const;
+  void albedoOf(int patch, const PointPacket& points, Lanes& out) const;
+  void addHighlights(std::size_t index, const Lanes3& normal, const Lanes3& to_eye, const Lit& lit,
+                     Lanes& sum) const;
+  void mirror(const Lanes3& normal, const Lanes3& to_eye, const Lanes& gloss,
+              const PointPacket& points, const PixelRays& rays, Mirrors& mirrors) const;
 
   const Scene& scene_;
   const Stage& stage_;
   TextureSet textures_;
   Floor floor_;
-  LightMap floor_map_;
+  LightMap floor_map_, far_floor_map_;
   std::vector<std::unique_ptr<LightMap>> maps_;
   std::vector<const Texture*> grains_;
 };

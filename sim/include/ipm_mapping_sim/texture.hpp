@@ -2,31 +2,20 @@
 // Random textures that are filtered over a pixel's footprint, so that a floor looks the same to
 // two cameras wherever both can resolve it, and never flickers.
 
-#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <vector>
 
+#include "ipm_mapping_sim/rays.hpp"
 #include "ipm_mapping_sim/scene.hpp"
 
 namespace ipm_mapping::sim {
 
-/// Whole number at or below x; std::floor is a library call without SSE4.1.
-inline int floorOf(float x) {
-  const int whole = static_cast<int>(x);
-  return whole - static_cast<int>(static_cast<float>(whole) > x);
+/// Side of the box with a pixel's parallelogram's variance along a unit direction.
+inline float extentAlong(float along_dx, float along_dy) {
+  return std::sqrt(along_dx * along_dx + along_dy * along_dy);
 }
-
-/// A pixel's parallelogram on a surface: how the surface coordinates (metres) change over one
-/// column and over one row.
-struct Footprint2 {
-  Eigen::Vector2f dx = Eigen::Vector2f::Zero(), dy = Eigen::Vector2f::Zero();
-
-  /// Side of the box with the parallelogram's variance along a unit direction.
-  [[nodiscard]] float extent(const Eigen::Vector2f& direction) const {
-    const float a = direction.dot(dx), b = direction.dot(dy);
-    return std::sqrt(a * a + b * b);
-  }
-};
 
 /// Periodic zero-mean texture of unit-like amplitude with its mip pyramid.
 class Texture {
@@ -34,21 +23,29 @@ class Texture {
   /// kSize x kSize texels of the given kind; the same seed makes the same texels.
   Texture(Grain grain, std::uint64_t seed);
 
-  /// Mean over a footprint around `p`, both in repeats of the texture (1 = the whole square).
-  [[nodiscard]] float sample(Eigen::Vector2f p, const Footprint2& pixel) const;
+  /// Means over footprints around `p`; p and the footprints are divided by `repeat`, the side of
+  /// the square that the texture covers.
+  void sample(const Lanes2& p, const FootprintPacket& pixel, float repeat, Lanes& out) const;
 
   static constexpr int kLevels = 11;
   static constexpr int kSize = 1 << (kLevels - 1);
 
  private:
-  struct Taps {  ///< a row of samples through the footprint, in repeats; all coordinates positive
-    Eigen::Vector2f first, step;
-    int count;
+  /// Rows of samples through the footprints, in repeats; all coordinates positive.
+  struct Taps {
+    Lanes2 first, step;
+    IntLanes count, level;
+    Lanes finer;  ///< share of `level`; the rest is of the next coarser one
+    int longest = 1;
+    bool blends = false;
   };
-  [[nodiscard]] float sum(int level, const Taps& taps) const;
+  void place(const Lanes2& p, const FootprintPacket& pixel, float repeat, Taps& taps) const;
+  void addTap(const Taps& taps, int tap, int coarser, Lanes& sum) const;
 
-  /// Each level has its first row and column again after its last: no wrap between neighbours.
-  std::vector<float> levels_[kLevels];
+  /// All levels one after the other, each with its first row and column again after its last: no
+  /// wrap between neighbours.
+  std::vector<float> texels_;
+  std::int32_t first_[kLevels] = {};
   int smooth_level_ = 0;  ///< finest level that is worth reading
 };
 
@@ -66,9 +63,19 @@ class TextureSet {
 
 /// Share of a box of side `extent` around x that lies in the gaps of width `gap` centred on the
 /// multiples of `period`.
-float gapCoverage(float x, float extent, float period, float gap);
+inline float gapCoverage(float x, float extent, float period, float gap) {
+  const float box = std::max(extent, 1e-6F), per_metre = 1.0F / period;
+  const auto integral = [&](float at) {  // of the gaps' indicator from 0 to `at`
+    const float shifted = at + 0.5F * gap;
+    const auto cell = static_cast<float>(floorOf(shifted * per_metre));
+    return cell * gap + std::min(shifted - cell * period, gap);
+  };
+  return (integral(x + 0.5F * box) - integral(x - 0.5F * box)) / box;
+}
 
 /// Share of a box of side `extent` whose centre lies `inside` metres within a straight edge.
-float edgeCoverage(float inside, float extent);
+inline float edgeCoverage(float inside, float extent) {
+  return std::min(std::max(0.5F + inside / std::max(extent, 1e-6F), 0.0F), 1.0F);
+}
 
 }  // namespace ipm_mapping::sim

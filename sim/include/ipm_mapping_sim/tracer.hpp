@@ -8,23 +8,9 @@
 #include <vector>
 
 #include "ipm_mapping_sim/patch.hpp"
+#include "ipm_mapping_sim/rays.hpp"
 
 namespace ipm_mapping::sim {
-
-constexpr int kPacket = 16;
-
-/// Sixteen rays; a lane takes part where active is -1.
-struct alignas(64) RayPacket {
-  int active[kPacket];
-  Eigen::Vector3f origin[kPacket], direction[kPacket];
-  float reach[kPacket];
-};
-
-/// What a ray met: a triangle of a patch at `distance` directions; patch < 0 is nothing.
-struct Hit {
-  int patch = -1, prim = 0;
-  float u = 0.0F, v = 0.0F, distance = 0.0F;
-};
 
 class Tracer {
  public:
@@ -33,11 +19,11 @@ class Tracer {
   Tracer(const Tracer&) = delete;
   Tracer& operator=(const Tracer&) = delete;
 
-  /// Nearest hit of each active ray within its reach.
-  void nearest(const RayPacket& rays, Hit* hits) const;
+  /// Nearest hit of each ray in `active` within its reach; patch is -1 where there is none.
+  void nearest(const RayPacket& rays, unsigned active, HitPacket& hits) const;
   [[nodiscard]] Hit nearest(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction,
                             float reach) const;
-  /// Bit k is set where active ray k meets anything within its reach.
+  /// Bit k is set where ray k meets anything within its reach.
   [[nodiscard]] unsigned blocked(const RayPacket& rays) const;
 
  private:
