@@ -67,6 +67,10 @@ OccupancyMap::OccupancyMap(const MapParameters& parameters)
 }
 
 void OccupancyMap::update(const Obstacles& obstacles) {
+  if (obstacles.age > 0.0F) {
+    ++counters_.remembered_frames;
+    return;
+  }
   if (!finite(obstacles.view)) {
     ++counters_.rejected_frames;
     return;

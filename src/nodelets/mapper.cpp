@@ -58,6 +58,7 @@ class Mapper : public StageNodelet {
                                                   map_->geometry().empty(), T_map_odom))
       return monitor().dropped("other_frame", *refusal);
     if (order_.judge(input.header.stamp) == StampVerdict::Jump) onClockJump();
+    if (answer_.age > 0.0F) return monitor().skipped("remembered");
     if (localized_->update(answer_, T_map_odom)) monitor().count("corrections");
     outputs_->setHeader(map_frame_->name(), input.header.stamp);
     trajectory_->add(map_frame_->name(), input.header.stamp, T_map_odom * answer_.view.T_odom_base);

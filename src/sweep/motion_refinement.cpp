@@ -246,15 +246,18 @@ RefinedMotion MotionRefinement::refine(const RectifiedFrame& current,
                                        const RectifiedFrame& reference, const SE2& odometry,
                                        const SE2& start) {
   RefinedMotion state;
-  state.motion = start;
+  state.motion = parameters_.refine ? start : odometry;
   state.sigma = first_spread;
   const Prior prior(parameters_, odometry, current.stamp - reference.stamp);
-  SE2 base = start;
+  SE2 base = state.motion;
   Eigen::Vector3d correction = Eigen::Vector3d::Zero();
   linearize(current, reference, base);
   warp(reference, correction);
   state.samples = static_cast<int>(samples_.size());
-  if (state.samples < parameters_.min_samples) return state;
+  if (state.samples < parameters_.min_samples) {
+    state.motion = odometry;
+    return state;
+  }
   for (int i = 0; parameters_.refine && i < parameters_.iterations; ++i) {
     const Eigen::Vector3d before = correction;
     anneal_ = parameters_.first_spread * std::pow(0.5, i);

@@ -114,7 +114,7 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
   T_odom_last_ = current_.T_odom_base;
   T_floor_last_ = current_.T_floor_base;
   learnCalibration();
-  ring_.offer(current_);
+  kept_ = ring_.offer(current_);
   applyCalibration();
   return status;
 }
@@ -180,6 +180,7 @@ void SweepDetector::compareWithReferences() {
     const RectifiedFrame& reference = *references_[q];
     motions_[q] = refinement_.refine(current_, reference, expectedMotion(reference),
                                      reference.T_floor_base.inverse() * current_.T_floor_base);
+    motions_[q].reference_stamp = reference.stamp;
   }
   current_.T_floor_base = references_[0]->T_floor_base * motions_[0].motion;
   lap("motion_refinement");

@@ -147,6 +147,37 @@ class OfflineMapper(unittest.TestCase):
         self.assertEqual(len(pictures), len(wanted), "each shows a frame of its own")
         self.refused(2, "--overlays", self.bag, "--out", self.out, "--overlays", "0")
 
+    def test_trajectory_has_every_frame_by_wheels_and_by_floor(self):
+        write_bag(self.bag, info=True, frames=20)
+        result = self.run_it(self.bag, "--out", self.out, self.pose)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        with open(os.path.join(self.out, "trajectory.csv"), encoding="ascii") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(list(rows[0]), (
+            "stamp frame x_odom y_odom theta_odom x_refined y_refined theta_refined "
+            "var_x cov_xy cov_xtheta var_y cov_ytheta var_theta").split())
+        self.assertEqual([int(row["frame"]) for row in rows], list(range(20)))
+        for k, row in enumerate(rows):
+            self.assertAlmostEqual(float(row["stamp"]), 1000.0 + 0.1 * k, 6)
+            self.assertAlmostEqual(float(row["x_odom"]), 0.025 * k, 5)
+        self.assertLess(abs(float(rows[-1]["x_refined"]) - 0.475), 0.005)
+        self.assertGreater(float(rows[-1]["var_x"]), 0.0)
+
+    def test_temporal_filter_keeps_some_contacts_of_the_same_frames(self):
+        write_bag(self.bag, info=True, frames=20)
+        tables = {}
+        for name, options in (("plain", []), ("filtered", ["--temporal-filter"])):
+            out = os.path.join(self.folder.name, name)
+            result = self.run_it(self.bag, "--out", out, self.pose, *options)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            with open(os.path.join(out, "points.csv"), encoding="ascii") as file:
+                tables[name] = set(file.readlines()[1:])
+            with open(os.path.join(out, "obstacles.csv"), encoding="ascii") as file:
+                tables[name + " frames"] = {line.split(",")[1] for line in file}
+        self.assertEqual(tables["plain frames"], tables["filtered frames"])
+        self.assertTrue(tables["filtered"])
+        self.assertTrue(tables["filtered"] < tables["plain"], "the first frame has no second sight")
+
     def test_a_robot_that_stands_is_no_error(self):
         write_bag(self.bag, info=True, still=True)
         result = self.run_it(self.bag, "--out", self.out, self.pose)

@@ -207,7 +207,7 @@ struct SelectionParameters {
   double straddle_gap = 0.133;
   double straddle_ratio = 1.5;
   double free_cost = 1.3;
-  int free_halo = 4;
+  int free_halo = 6;
   double free_gap = 0.3;
   double near_memory = 30.0;
   double blocked_cost = 2.0;

@@ -35,8 +35,13 @@ class SweepDetector : public Detector {
   [[nodiscard]] const char* id() const override { return "sweep"; }
   [[nodiscard]] std::optional<CalibrationReport> calibration() const override;
 
-  /// Motion from the first reference to the last processed frame as the floor shows it.
-  [[nodiscard]] const RefinedMotion& refinedMotion() const { return motions_[0]; }
+  /// Motion from each reference to the last used frame as the floor shows it.
+  [[nodiscard]] int referenceCount() const { return reference_count_; }
+  [[nodiscard]] const RefinedMotion& refinedMotion(int reference = 0) const {
+    return motions_[static_cast<std::size_t>(reference)];
+  }
+  /// The last processed frame may become a reference of later ones.
+  [[nodiscard]] bool keptAsReference() const { return kept_; }
   [[nodiscard]] const PolarGrid& grid() const { return grid_; }
   /// Scores of the last processed frame, candidates x beams.
   [[nodiscard]] ImageView<const float> scores() const { return scores_.score.view(); }
@@ -107,7 +112,7 @@ class SweepDetector : public Detector {
   std::vector<BeamChoice> choices_;
   SE2 last_used_;
   SE2 T_odom_last_, T_floor_last_;  // of the last frame
-  bool seen_any_ = false;
+  bool seen_any_ = false, kept_ = false;
   std::vector<StageTime> times_;
   double lap_start_ = 0.0;
 };
