@@ -2,9 +2,11 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "ipm_mapping/calibration_report.hpp"
 #include "ipm_mapping/geometry/ground_view.hpp"
 #include "ipm_mapping/image_view.hpp"
 #include "ipm_mapping/obstacles.hpp"
@@ -55,6 +57,10 @@ class Detector {
   [[nodiscard]] virtual const std::vector<StageTime>& stageTimes() const = 0;
   /// Short name, as in `detector: sweep`.
   [[nodiscard]] virtual const char* id() const = 0;
+  /// What self-calibration found so far; nothing from detectors without it.
+  [[nodiscard]] virtual std::optional<CalibrationReport> calibration() const {
+    return std::nullopt;
+  }
 };
 
 }  // namespace ipm_mapping

@@ -40,10 +40,11 @@ struct Contact {
 
 /// A detector's answer for one frame.
 struct Obstacles {
-  std::uint64_t frame = 0;          ///< index of the camera frame
-  GroundView view;                  ///< geometry it was made with
-  Focus focus;                      ///< where the beam starts
-  double max_range = 0.0;           ///< metres from the base origin that were looked at
+  std::uint64_t frame = 0;  ///< index of the camera frame
+  GroundView view;          ///< geometry it was made with
+  Focus focus;              ///< where the beam starts
+  double max_range = 0.0;   ///< metres from the base origin that were looked at
+  float age = 0.0F;  ///< seconds since it was seen (0: in this frame); more is no new evidence
   float separability = 0.0F;        ///< how clearly obstacle and floor differ, 0..1
   int threshold = -1;               ///< grey levels; -1: the detector has none
   std::vector<Bearing> bearings;    ///< from the left of the view to the right
@@ -52,6 +53,7 @@ struct Obstacles {
 
   void clear() {
     max_range = 0.0;
+    age = 0.0F;
     bearings.clear();
     contacts.clear();
     candidates.clear();

@@ -6,9 +6,12 @@
 #include <vector>
 
 #include "ipm_mapping/parameters/birds_eye_parameters.hpp"
+#include "ipm_mapping/parameters/calibration_parameters.hpp"
 #include "ipm_mapping/parameters/chain_parameters.hpp"
+#include "ipm_mapping/parameters/floor_odometry_parameters.hpp"
 #include "ipm_mapping/parameters/fpga_parameters.hpp"
 #include "ipm_mapping/parameters/map_parameters.hpp"
+#include "ipm_mapping/parameters/memory_parameters.hpp"
 #include "ipm_mapping/parameters/robot_parameters.hpp"
 #include "ipm_mapping/parameters/sweep_parameters.hpp"
 
@@ -42,8 +45,11 @@ struct Parameters {
   LocalizationParameters localization;
   BirdsEyeParameters birds_eye;
   sweep::SweepParameters sweep;
+  CalibrationParameters calibration;
+  FloorOdometryParameters floor_odometry;
   FpgaParameters fpga;
   FpgaClockParameters fpga_clock;
+  MemoryParameters memory;
   MapParameters map;
   OutputParameters output;
 
@@ -58,8 +64,11 @@ struct Parameters {
     group("localization", self.localization);
     group("birds_eye", self.birds_eye);
     group("sweep", self.sweep);
+    group("calibration", self.calibration);
+    group("floor_odometry", self.floor_odometry);
     group("fpga", self.fpga);
     group("fpga_clock", self.fpga_clock);
+    group("memory", self.memory);
     group("map", self.map);
     group("output", self.output);
   }

@@ -1,9 +1,12 @@
 // Renders a scene's scripted drive into a bag and writes the truth beside it.
 
+#include <ros/datatypes.h>
+#include <ros/message_traits.h>
 #include <rosbag/bag.h>
 #include <tf2_msgs/TFMessage.h>
 #include <unistd.h>
 
+#include <boost/make_shared.hpp>
 #include <cstdio>
 #include <ctime>
 #include <fstream>
@@ -83,6 +86,18 @@ Options parse(const std::vector<std::string>& arguments) {
   return options;
 }
 
+/// Header of a latched topic, as rosbag record keeps it: players that start in the middle of the
+/// bag publish its last message first.
+template <class Message>
+boost::shared_ptr<ros::M_string> latched() {
+  namespace traits = ros::message_traits;
+  return boost::make_shared<ros::M_string>(
+      ros::M_string{{"type", traits::datatype<Message>()},
+                    {"md5sum", traits::md5sum<Message>()},
+                    {"message_definition", traits::definition<Message>()},
+                    {"latching", "1"}});
+}
+
 /// Writes messages in the order in which they arrive.
 class Recorder {
  public:
@@ -91,7 +106,7 @@ class Recorder {
     const ros::Time start = arrival(-Drive::kLead);
     tf2_msgs::TFMessage fixed;
     fixed.transforms.push_back(cameraTransform(scene_, stampOf(scene_, 0.0)));
-    bag_.write("/tf_static", start, fixed);
+    bag_.write("/tf_static", start, fixed, latched<tf2_msgs::TFMessage>());
   }
 
   /// Odometry that arrives before `time`.

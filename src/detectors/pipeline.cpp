@@ -10,7 +10,7 @@ std::unique_ptr<Detector> makeDetector(const Parameters& parameters) {
   parameters.validate();
   switch (parameters.detector.kind) {
     case DetectorKind::Sweep:
-      return std::make_unique<sweep::SweepDetector>(parameters.sweep);
+      return std::make_unique<sweep::SweepDetector>(parameters.sweep, parameters.calibration);
     case DetectorKind::Chain:
     case DetectorKind::FirstArchitecture:
       return std::make_unique<ChainDetector>(parameters);

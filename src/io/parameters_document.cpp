@@ -10,6 +10,9 @@
 namespace ipm_mapping {
 namespace {
 
+constexpr const char* generated_begin = "<!-- parameters: written by describe_parameters";
+constexpr const char* generated_end = "<!-- end of the parameters -->";
+
 constexpr const char* introduction =
     "# Parameters\n\n"
     "Written by `describe_parameters` from the structs in `include/ipm_mapping/parameters`, which "
@@ -27,14 +30,16 @@ std::string cell(const std::string& text) {
 }
 std::string code(const std::string& text) { return text.empty() ? "" : "`" + cell(text) + "`"; }
 
+std::string parameterRow(const std::string& name, const FieldText& f) {
+  return "| " + code(name) + " | " + f.type + " | " + code(f.value) + " | " + cell(f.unit) + " | " +
+         cell(f.range) + " | " + cell(f.doc) + " |\n";
+}
+
 template <class Struct>
 std::string table(const Struct& parameters) {
   std::string rows =
       "| name | type | default | unit | allowed | meaning |\n|---|---|---|---|---|---|\n";
-  describeFields(parameters, [&rows](const FieldText& f) {
-    rows += "| " + code(f.name) + " | " + f.type + " | " + code(f.value) + " | " + cell(f.unit) +
-            " | " + cell(f.range) + " | " + cell(f.doc) + " |\n";
-  });
+  describeFields(parameters, [&rows](const FieldText& f) { rows += parameterRow(f.name, f); });
   return rows;
 }
 
@@ -71,22 +76,104 @@ std::string profileTable() {
   return rows;
 }
 
+/// What somebody with a robot of his own sets before anything else, in the order of the work.
+const std::vector<const char*> first_touched{"profile",
+                                             "detector/kind",
+                                             "camera/pose_from_tf",
+                                             "camera/x",
+                                             "camera/y",
+                                             "camera/z",
+                                             "camera/pitch",
+                                             "camera/calibration_file",
+                                             "camera/image_time_offset",
+                                             "image_transport",
+                                             "base_frame",
+                                             "odom_frame",
+                                             "odometry_source",
+                                             "sweep/max_range",
+                                             "sweep/publish_score",
+                                             "sweep/short_baseline",
+                                             "reference/min_baseline",
+                                             "segmentation/min_threshold",
+                                             "output/contact_z",
+                                             "map/resolution",
+                                             "map/hit",
+                                             "map/miss",
+                                             "directory",
+                                             "initial_map",
+                                             "autosave_period",
+                                             "clear_on_clock_jump"};
+
+template <class Struct>
+void describeInto(std::map<std::string, FieldText>& all, const std::string& prefix,
+                  const Struct& parameters) {
+  describeFields(parameters, [&](const FieldText& f) { all.emplace(prefix + f.name, f); });
+}
+
+/// By what stands behind the `~`.
+std::map<std::string, FieldText> everyParameter() {
+  const Parameters defaults;
+  std::map<std::string, FieldText> all;
+  Parameters::groups(defaults, [&](const char* name, const auto& group) {
+    describeInto(all, std::string(name) + "/", group);
+  });
+  describeInto(all, "", SourceParameters{});
+  describeInto(all, "", TransportParameters{});
+  describeInto(all, "", MapperParameters{});
+  return all;
+}
+
+/// Throws std::out_of_range when a name of `first_touched` is no parameter any more.
+std::string firstTable() {
+  auto all = everyParameter();
+  std::string profiles;
+  for (const std::string& name : Parameters::profileNames())
+    profiles += (profiles.empty() ? "" : " | ") + name;
+  all["profile"] = {"profile",
+                    "string",
+                    "",
+                    Parameters::profileNames().front(),
+                    profiles + " | a file",
+                    "the values that all others start from"};
+  std::string rows =
+      "| parameter | type | default | unit | allowed | meaning |\n|---|---|---|---|---|---|\n";
+  for (const char* name : first_touched)
+    rows += parameterRow("~" + std::string(name), all.at(name));
+  return rows;
+}
+
+std::string parameterTables(const std::string& heading) {
+  std::string text;
+  const auto add = [&](const std::string& title, const std::string& content) {
+    text += "\n" + heading + " " + title + "\n\n" + content;
+  };
+  const Parameters defaults;
+  Parameters::groups(defaults,
+                     [&](const char* name, const auto& group) { add(name, table(group)); });
+  add("What the profiles change", profileTable());
+  add("Nodelets that start from camera images (`~NAME`)", table(SourceParameters{}));
+  add("Nodelets that take or draw on camera images (`~NAME`)", table(TransportParameters{}));
+  add("Nodelets between two others (`~NAME`)", table(StageParameters{}));
+  add("Mapper (`~NAME`)", table(MapperParameters{}));
+  add("Comparison (`~NAME`)", table(ComparisonParameters{}));
+  return text;
+}
+
 }  // namespace
 
-std::string parametersMarkdown() {
-  std::string text = introduction;
-  const Parameters defaults;
-  Parameters::groups(defaults, [&text](const char* name, const auto& group) {
-    text += std::string("\n## ") + name + "\n\n" + table(group);
-  });
-  text += "\n## What the profiles change\n\n" + profileTable();
-  text += "\n## Nodelets that start from camera images (`~NAME`)\n\n" + table(SourceParameters{});
-  text += "\n## Nodelets that take or draw on camera images (`~NAME`)\n\n" +
-          table(TransportParameters{});
-  text += "\n## Nodelets between two others (`~NAME`)\n\n" + table(StageParameters{});
-  text += "\n## Mapper (`~NAME`)\n\n" + table(MapperParameters{});
-  text += "\n## Comparison (`~NAME`)\n\n" + table(ComparisonParameters{});
-  return text;
+std::string parametersMarkdown() { return introduction + parameterTables("##"); }
+
+std::string readmeParameters() {
+  return "\n" + firstTable() +
+         "\n<details>\n<summary><b>Every parameter of every nodelet</b></summary>\n" +
+         parameterTables("####") + "\n</details>\n\n";
+}
+
+std::optional<std::string> withGeneratedPart(const std::string& text, const std::string& part) {
+  const std::size_t mark = text.find(generated_begin), end = text.find(generated_end);
+  if (mark == std::string::npos || end == std::string::npos || end < mark) return std::nullopt;
+  const std::size_t begin = text.find('\n', mark) + 1;
+  return text.substr(0, begin) + part + text.substr(end);
 }
 
 std::map<std::string, std::string> generatedFiles() {

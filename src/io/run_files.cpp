@@ -51,4 +51,23 @@ void RunFiles::finish() {
     throw std::runtime_error("cannot write the tables in '" + directory_ + "': is the disk full?");
 }
 
+void writeTrajectory(const std::string& directory, const std::vector<TrackedFrame>& frames) {
+  std::ofstream file = create(directory + "/trajectory.csv");
+  file << "stamp,frame,x_odom,y_odom,theta_odom,x_refined,y_refined,theta_refined,"
+          "var_x,cov_xy,cov_xtheta,var_y,cov_ytheta,var_theta\n";
+  char line[512];
+  for (const TrackedFrame& f : frames) {
+    const SE2 &o = f.T_odom_base, &r = f.refined.T_odom_base;
+    const Eigen::Matrix3d& C = f.refined.covariance;
+    std::snprintf(line, sizeof line,
+                  "%.9f,%llu,%.6f,%.6f,%.7f,%.6f,%.6f,%.7f,%.4e,%.4e,%.4e,%.4e,%.4e,%.4e\n",
+                  f.stamp, static_cast<unsigned long long>(f.frame), o.x, o.y, o.theta, r.x, r.y,
+                  r.theta, C(0, 0), C(0, 1), C(0, 2), C(1, 1), C(1, 2), C(2, 2));
+    file << line;
+  }
+  file.close();
+  if (!file)
+    throw std::runtime_error("cannot write '" + directory + "/trajectory.csv': is the disk full?");
+}
+
 }  // namespace ipm_mapping

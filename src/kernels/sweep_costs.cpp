@@ -128,15 +128,18 @@ void windowed(const std::int32_t* HWY_RESTRICT sum_prefix,
   }
 }
 
+/// Rows are rounded up to whole vectors, which the spare ones do not change.
+constexpr int whole(int count) { return (count + 15) & ~15; }
+
 void evidenceRows(const std::uint16_t* HWY_RESTRICT floor,
                   const std::uint16_t* HWY_RESTRICT vertical,
                   const std::int32_t* HWY_RESTRICT weight, std::int32_t floor_cap,
                   std::int32_t prior, int count, std::int32_t* HWY_RESTRICT evidence) {
-  for (int i = 0; i < count; ++i) {
+  for (int i = 0; i < whole(count); ++i) {
     const std::int32_t f = floor[i];
     const std::int32_t gain =
         std::min(f, floor_cap) - static_cast<std::int32_t>(vertical[i]) - prior;
-    evidence[i] += f == no_cost ? 0 : (gain * weight[i]) >> 8;
+    evidence[i] += (f == no_cost) | (i >= count) ? 0 : (gain * weight[i]) >> 8;
   }
 }
 
@@ -198,6 +201,49 @@ void vertical(const VerticalPath& path, int count, std::uint16_t* HWY_RESTRICT c
   }
 }
 
+/// Evidence of rows begin ... end - 1 from all references.
+HWY_INLINE void blockEvidence(const EvidencePath* paths, int count, const EvidenceTerms& terms,
+                              int begin, int end, std::int32_t* HWY_RESTRICT evidence) {
+  std::uint16_t cost[evidence_block + overrun];
+  for (int i = 0; i < whole(end - begin); ++i) evidence[i] = 0;
+  for (const EvidencePath* p = paths; p != paths + count; ++p) {
+    const int first = std::max(begin, p->begin), rows = std::min(end, p->end) - first;
+    if (rows <= 0) continue;
+    VerticalPath path = p->vertical;
+    path.current += first;
+    path.weight += first;
+    path.upper += first;
+    path.lower += first;
+    vertical(path, rows, cost);
+    evidenceRows(p->floor + first, cost, terms.weight + first, terms.floor_cap, terms.prior, rows,
+                 evidence + (first - begin));
+  }
+}
+
+void climb(const EvidencePath* paths, int count, const EvidenceTerms& terms, int begin, int end,
+           int top, std::int32_t least, Climb& climb) {
+  std::int32_t evidence[evidence_block + overrun];
+  for (int last = end; last > begin && !climb.over; last -= evidence_block) {
+    const int first = std::max(begin, last - evidence_block);
+    blockEvidence(paths, count, terms, first, last, evidence);
+    std::int32_t total = 0, gains = 0;
+    for (int i = 0; i < whole(last - first); ++i) {
+      total += evidence[i];
+      gains += std::max(evidence[i], 0);
+    }
+    std::int32_t sum = climb.sum;
+    if (sum + gains > climb.best) {  // otherwise no row of the block is a new top
+      for (int i = last - first - 1; i >= 0; --i) {
+        sum += evidence[i];
+        if (sum > climb.best) climb.best = sum, climb.best_row = first + i;
+      }
+    }
+    climb.sum += total;
+    const std::int32_t reachable = climb.sum + terms.potential[first] - terms.potential[top];
+    climb.over = reachable <= climb.best || std::max(climb.best, reachable) < least;
+  }
+}
+
 }  // namespace ipm_mapping::kernels::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -214,6 +260,7 @@ HWY_EXPORT(floorSquares);
 HWY_EXPORT(evidenceRows);
 HWY_EXPORT(lower);
 HWY_EXPORT(vertical);
+HWY_EXPORT(climb);
 
 void splitRows(const std::uint8_t* line, std::int32_t gain, std::int32_t offset, int count,
                std::int16_t* even, std::int16_t* odd) {
@@ -270,6 +317,11 @@ void accumulateFloorCost(const std::int16_t* residual, const std::int16_t* mean,
 
 void verticalCost(const VerticalPath& path, int count, std::uint16_t* cost) {
   HWY_DYNAMIC_DISPATCH(vertical)(path, count, cost);
+}
+
+void climbSupport(const EvidencePath* paths, int count, const EvidenceTerms& terms, int begin,
+                  int end, int top, std::int32_t least, Climb& state) {
+  HWY_DYNAMIC_DISPATCH(climb)(paths, count, terms, begin, end, top, least, state);
 }
 }  // namespace ipm_mapping::kernels
 #endif

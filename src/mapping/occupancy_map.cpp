@@ -67,6 +67,10 @@ OccupancyMap::OccupancyMap(const MapParameters& parameters)
 }
 
 void OccupancyMap::update(const Obstacles& obstacles) {
+  if (obstacles.age > 0.0F) {
+    ++counters_.remembered_frames;
+    return;
+  }
   if (!finite(obstacles.view)) {
     ++counters_.rejected_frames;
     return;
@@ -88,6 +92,15 @@ bool OccupancyMap::include(const Eigen::Vector2d& point) {
   if (!widen(needed, point / parameters_.resolution)) return false;
   growTo(needed);
   return true;
+}
+
+void OccupancyMap::restore(const OccupancyMap& other) {
+  const std::uint64_t revision = geometry_.revision + 1;
+  geometry_ = other.geometry_;
+  geometry_.revision = revision;
+  log_odds_ = other.log_odds_;
+  pending_.assign(log_odds_.size(), no_change);
+  changed_ = stored();
 }
 
 void OccupancyMap::clear() {

@@ -2,13 +2,16 @@
 #include <optional>
 #include <pluginlib/class_list_macros.hpp>
 
+#include "ipm_mapping/detectors/contact_memory.hpp"
 #include "ipm_mapping/detectors/pipeline.hpp"
+#include "ipm_mapping/ros/calibration_diagnostics.hpp"
 #include "ipm_mapping/ros/detector_pictures.hpp"
 #include "ipm_mapping/ros/frame_source.hpp"
 #include "ipm_mapping/ros/live_parameters.hpp"
 #include "ipm_mapping/ros/obstacle_outputs.hpp"
 #include "ipm_mapping/ros/overlay_output.hpp"
 #include "ipm_mapping/ros/parameter_loader.hpp"
+#include "ipm_mapping/ros/refined_odometry.hpp"
 #include "ipm_mapping/ros/stage_nodelet.hpp"
 
 namespace ipm_mapping {
@@ -18,16 +21,19 @@ class Detect : public StageNodelet {
   void start() override {
     const Parameters& parameters = parameters_ = loadParameters(privateNode());
     detector_ = makeDetector(parameters);
+    memory_ = ContactMemory(parameters.memory);
     source_.emplace(
         node(), privateNode(), parameters, monitor(),
         FrameSource::Handlers{
             [this](const CameraModel& camera, const CameraPose& T_base_camera) {
               detector_->setCamera(camera, T_base_camera);
+              memory_.clear();
             },
-            [this] { detector_->reset(); },
+            [this] { forget(); },
             [this](const Frame& frame, const FrameInfo& info) { return process(frame, info); }});
     monitor().setAsleep(true);
     obstacle_outputs_.emplace(node(), outputs_, parameters.output);
+    refined_odometry_.emplace(node(), outputs_, parameters);
     overlay_ = outputs_.advertiseImage(node(), "overlay");
     difference_ = outputs_.advertiseImage(node(), "difference_image");
     score_ = outputs_.advertiseImage(node(), "score_image");
@@ -47,12 +53,15 @@ class Detect : public StageNodelet {
 
   void change(const Parameters& changed) {
     obstacle_outputs_->setParameters(changed.output);
+    memory_ = ContactMemory(changed.memory);
     Parameters same = changed;
     same.output = parameters_.output;
-    const bool only_output = toConfig(same, liveGroups()) == toConfig(parameters_, liveGroups());
+    same.memory = parameters_.memory;
+    const bool same_detector = toConfig(same, liveGroups()) == toConfig(parameters_, liveGroups());
     parameters_ = changed;
-    if (only_output) return;
+    if (same_detector) return;
     detector_ = makeDetector(changed);
+    refined_odometry_->setParameters(changed);
     source_->setParameters(changed.camera);
   }
 
@@ -61,15 +70,24 @@ class Detect : public StageNodelet {
     guarded([&] { awake ? source_->start() : source_->stop(); });
   }
 
+  void forget() {
+    detector_->reset();
+    memory_.clear();
+    refined_odometry_->reset();
+  }
+
   FrameStatus process(const Frame& frame, const FrameInfo& info) {
     const FrameStatus status = detector_->process(frame, obstacles_);
-    if (status == FrameStatus::Used) {
+    refined_odometry_->follow(*detector_, frame, status, info.header.stamp, info.frames);
+    if (memory_.follow(frame, status, obstacles_))
       obstacle_outputs_->publish(obstacles_, info.header.stamp, info.frames, detector_->id());
+    if (status == FrameStatus::Used) {
       publishOverlay(overlay_, frame.image, obstacles_, info.header);
       publishPictures(info.header);
     }
     monitor().set("contacts", static_cast<double>(obstacles_.contacts.size()));
     monitor().set("separability", obstacles_.separability);
+    if (const auto calibration = detector_->calibration()) showCalibration(*calibration, monitor());
     return status;
   }
 
@@ -83,10 +101,12 @@ class Detect : public StageNodelet {
 
   Parameters parameters_;
   std::unique_ptr<Detector> detector_;
+  ContactMemory memory_;
   Obstacles obstacles_;
   std::optional<FrameSource> source_;
   LazyOutputs outputs_{[this](bool awake) { setAwake(awake); }};
   std::optional<ObstacleOutputs> obstacle_outputs_;
+  std::optional<RefinedOdometry> refined_odometry_;
   std::optional<LiveParameters> live_;
   image_transport::Publisher overlay_, difference_, score_;
   Image<std::uint8_t> picture_;

@@ -5,10 +5,11 @@
 #include <optional>
 #include <pluginlib/class_list_macros.hpp>
 
+#include "ipm_mapping/mapping/localized_map.hpp"
+#include "ipm_mapping/ros/map_frame.hpp"
 #include "ipm_mapping/ros/map_keeper.hpp"
 #include "ipm_mapping/ros/map_outputs.hpp"
 #include "ipm_mapping/ros/parameter_loader.hpp"
-#include "ipm_mapping/ros/sentence.hpp"
 #include "ipm_mapping/ros/stage_messages.hpp"
 #include "ipm_mapping/ros/stage_nodelet.hpp"
 #include "ipm_mapping/ros/stamp_order.hpp"
@@ -23,28 +24,25 @@ class Mapper : public StageNodelet {
     map_.emplace(loadParameters(privateNode()).map);
     keeper_.emplace(*map_, parameters_);
     if (const auto notice = keeper_->loadInitialMap()) monitor().warn(*notice);
-    frame_ = parameters_.frame;
+    map_frame_.emplace(node(), parameters_);
+    localized_.emplace(*map_, map_frame_->moves() ? parameters_.correction : MapCorrection::Keep,
+                       parameters_.correction_frames);
     outputs_.emplace(node(), *map_, parameters_);
     trajectory_.emplace(node());
-    outputs_->setHeader(frame_, ros::Time::now());
+    outputs_->setHeader(map_frame_->name(), ros::Time::now());
     outputs_->publishAll();
     save_ = node().advertiseService("save_map", &Mapper::onSave, this);
     reset_ = node().advertiseService("reset_map", &Mapper::onReset, this);
     if (parameters_.publish_rate > 0.0)
       every(1.0 / parameters_.publish_rate, publisher_, [this] { publish(); });
     if (parameters_.autosave_period > 0.0)
-      every(parameters_.autosave_period, autosaver_, [this] { autosave(); });
+      every(parameters_.autosave_period, autosaver_, [this] {
+        if (const auto error = keeper_->autosave()) monitor().warn("autosave: " + *error);
+      });
     const auto queue = static_cast<std::uint32_t>(loadStruct<StageParameters>(privateNode()).queue);
     obstacles_ = node().subscribe("obstacles", queue, &Mapper::onObstacles, this,
                                   ros::TransportHints().tcpNoDelay());
     monitor().expect(obstacles_.getTopic());
-  }
-
-  /// Wall time: what was seen last is published even after a simulated clock has stopped.
-  template <class Work>
-  void every(double seconds, ros::WallTimer& timer, Work work) {
-    timer = node().createWallTimer(ros::WallDuration(seconds),
-                                   [this, work](const ros::WallTimerEvent&) { guarded(work); });
   }
 
   void onObstacles(const ObstacleArrayConstPtr& input) {
@@ -55,18 +53,20 @@ class Mapper : public StageNodelet {
   void process(const ObstacleArray& input) {
     if (const Refusal refusal = fromMessage(input, answer_))
       return monitor().dropped("bad_obstacles", *refusal);
-    if (!map_->geometry().empty() && input.view.odom_frame != frame_)
-      return monitor().dropped("other_frame", sentence("obstacles are in '", input.view.odom_frame,
-                                                       "', the map is in '", frame_, "'"));
+    SE2 T_map_odom;
+    if (const Refusal refusal = map_frame_->place(input.view.odom_frame, input.header.stamp,
+                                                  map_->geometry().empty(), T_map_odom))
+      return monitor().dropped("other_frame", *refusal);
     if (order_.judge(input.header.stamp) == StampVerdict::Jump) onClockJump();
-    frame_ = input.view.odom_frame;
-    map_->update(answer_);
-    outputs_->setHeader(frame_, input.header.stamp);
-    trajectory_->add(frame_, input.header.stamp, answer_.view.T_odom_base);
+    if (answer_.age > 0.0F) return monitor().skipped("remembered");
+    if (localized_->update(answer_, T_map_odom)) monitor().count("corrections");
+    outputs_->setHeader(map_frame_->name(), input.header.stamp);
+    trajectory_->add(map_frame_->name(), input.header.stamp, T_map_odom * answer_.view.T_odom_base);
     keeper_->touch();
     if (parameters_.publish_rate == 0.0) publish();
-    monitor().set("map_width_m", map_->geometry().width * map_->geometry().resolution);
-    monitor().set("map_height_m", map_->geometry().height * map_->geometry().resolution);
+    const MapGeometry& geometry = map_->geometry();
+    monitor().set("map_width_m", geometry.width * geometry.resolution);
+    monitor().set("map_height_m", geometry.height * geometry.resolution);
     monitor().used(input.header.stamp);
   }
 
@@ -78,13 +78,10 @@ class Mapper : public StageNodelet {
   void onClockJump() {
     monitor().count("resets");
     trajectory_->clear();
+    localized_->forget();
     if (!parameters_.clear_on_clock_jump) return;
-    map_->clear();
+    localized_->clear();
     monitor().warn("the clock was set back: the map is cleared");
-  }
-
-  void autosave() {
-    if (const auto error = keeper_->autosave()) monitor().warn("autosave: " + *error);
   }
 
   bool onSave(SaveMap::Request& request, SaveMap::Response& response) {
@@ -95,7 +92,7 @@ class Mapper : public StageNodelet {
   }
 
   bool onReset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-    map_->clear();
+    localized_->clear();
     trajectory_->clear();
     outputs_->publishAll();
     response.success = 1;
@@ -106,11 +103,12 @@ class Mapper : public StageNodelet {
   MapperParameters parameters_;
   std::optional<OccupancyMap> map_;
   std::optional<MapKeeper> keeper_;
+  std::optional<LocalizedMap> localized_;
+  std::optional<MapFrame> map_frame_;
   std::optional<MapOutputs> outputs_;
   std::optional<TrajectoryOutput> trajectory_;
   Obstacles answer_;
   StampOrder order_;
-  std::string frame_;
   ros::ServiceServer save_, reset_;
   ros::WallTimer publisher_, autosaver_;
   ros::Subscriber obstacles_;

@@ -24,6 +24,7 @@ Parameters paperProfile() {
   p.localization.selection = Selection::Peaks;
   p.localization.max_range = 2.0;
   p.fpga = FpgaParameters::paper();
+  p.memory.hold = 0.0;
   p.map.update = MapUpdate::MarkOnce;
   return p;
 }
@@ -64,6 +65,8 @@ void Parameters::validate() const {
   groups(*this, [](const char* name, const auto& group) { validateFields(name, group); });
   if (map.free_below >= map.occupied_above)
     throw ParameterError("map/free_below has to be lower than map/occupied_above");
+  if (memory.confirm_frames > memory.confirm_of)
+    throw ParameterError("memory/confirm_frames may not exceed memory/confirm_of");
   const double surest = 1.0 / (1.0 + std::exp(-map.clamp));
   if (surest < map.occupied_above || 1.0 - surest > map.free_below)
     throw ParameterError("map/clamp = " + parameter_detail::numberText(map.clamp) +

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "ipm_mapping/detectors/floor_observation.hpp"
 #include "ipm_mapping/detectors/pipeline.hpp"
 #include "ipm_mapping/ros/camera_info.hpp"
 #include "ipm_mapping/ros/poses.hpp"
@@ -83,13 +84,26 @@ void RunReport::addStage(const char* stage, double seconds) {
   stages.emplace_back(stage, StageStatistics{{seconds}});
 }
 
+void requireImages(const RunReport& report) {
+  if (report.images == 0) throw BagError("the image topic has no messages");
+  if (report.unusable_images == report.images) throw BagError(report.first_refusal);
+  const auto status = [&](FrameStatus s) { return report.frames[static_cast<std::size_t>(s)]; };
+  if (status(FrameStatus::SizeMismatch) > 0 && report.used() == 0)
+    throw BagError(
+        "images are not of the calibrated size; give the right calibration with "
+        "--camera-info FILE.yaml");
+  if (report.odometry.empty()) throw BagError("the odometry topic has no messages");
+}
+
 OfflineRun::OfflineRun(const BagSource& bag, const RunCamera& camera, const Parameters& parameters)
     : bag_(bag),
       parameters_(parameters),
       own_detector_(makeDetector(parameters)),
       detector_(*own_detector_),
       gate_(parameters.odometry),
-      map_(parameters.map) {
+      map_(parameters.map),
+      confirmation_(parameters.memory),
+      floor_odometry_(parameters.sweep, parameters.floor_odometry) {
   detector_.setCamera(camera.model, camera.T_base_camera);
 }
 
@@ -99,7 +113,9 @@ OfflineRun::OfflineRun(const BagSource& bag, const RunCamera& camera, const Para
       parameters_(parameters),
       detector_(detector),
       gate_(parameters.odometry),
-      map_(parameters.map) {
+      map_(parameters.map),
+      confirmation_(parameters.memory),
+      floor_odometry_(parameters.sweep, parameters.floor_odometry) {
   detector_.setCamera(camera.model, camera.T_base_camera);
 }
 
@@ -107,6 +123,8 @@ OfflineRun::~OfflineRun() = default;
 
 void OfflineRun::restart() {
   detector_.reset();
+  floor_odometry_.reset();
+  confirmation_.clear();
   ++report_.resets;
 }
 
@@ -132,12 +150,14 @@ void OfflineRun::process(const FrameGate<std::pair<std::uint64_t, GrayPicture>>:
                          const Observers& observers) {
   const auto& [index, picture] = frame.payload;
   const auto start = Clock::now();
-  const FrameStatus status =
-      detector_.process({index, frame.stamp, picture.view, frame.T_odom_base}, obstacles_);
+  const Frame now{index, frame.stamp, picture.view, frame.T_odom_base};
+  const FrameStatus status = detector_.process(now, obstacles_);
   ++report_.frames[static_cast<std::size_t>(status)];
-  trajectory_.push_back(frame.T_odom_base);
+  trajectory_.push_back({index, frame.stamp, frame.T_odom_base,
+                         floor_odometry_.add(floorObservation(detector_, now, status))});
   if (status == FrameStatus::Used) {
     for (const StageTime& time : detector_.stageTimes()) report_.addStage(time.stage, time.seconds);
+    confirmation_.apply(obstacles_);
     const auto before_map = Clock::now();
     map_.update(obstacles_);
     report_.addStage("map", secondsSince(before_map));
@@ -167,7 +187,8 @@ void OfflineRun::run(const Observers& observers) {
   gate_.finish();
   // A run that found nothing still has a map: all of it unknown.
   if (map_.geometry().empty())
-    map_.include(trajectory_.empty() ? Eigen::Vector2d::Zero() : trajectory_.front().translation());
+    map_.include(trajectory_.empty() ? Eigen::Vector2d::Zero()
+                                     : trajectory_.front().T_odom_base.translation());
   for (int i = 0; i < gate_drop_count; ++i)
     report_.gate_drops[static_cast<std::size_t>(i)] = gate_.dropped(static_cast<GateDrop>(i));
   report_.wall_seconds = secondsSince(start);

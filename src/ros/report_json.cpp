@@ -68,6 +68,23 @@ Json fpgaJson(const FpgaStatistics::Summary& s, double pixel_clock) {
        {{"in_series", s.slowest_map_rate_in_series}, {"pipelined", s.slowest_map_rate_pipelined}}}};
 }
 
+Json calibrationJson(const CalibrationReport& r) {
+  const auto value = [](const CalibrationReport::Value& v) {
+    return Json{{"stated", v.stated}, {"estimate", v.estimate}, {"sigma", v.sigma}};
+  };
+  return {{"pairs", r.pairs},
+          {"believable", r.believable},
+          {"applied", r.applied},
+          {"pitch_rad", value(r.pitch)},
+          {"roll_rad", value(r.roll)},
+          {"yaw_rad", value(r.yaw)},
+          {"height_m", value(r.height)},
+          {"odometry_scale", value(r.scale)},
+          {"odometry_turn_scale", value(r.turn_scale)},
+          {"odometry_yaw_rate_rad_s", value(r.yaw_rate)},
+          {"advice", advice(r)}};
+}
+
 template <class T>
 Json valueJson(const T& value) {
   if constexpr (std::is_enum_v<T>)
@@ -113,6 +130,8 @@ std::string reportJson(const OfflineRun& run, const BagSource& bag, const RunCam
       {"wall_seconds", report.wall_seconds},
       {"camera", cameraJson(camera)},
       {"parameters", parametersJson(options.parameters)}};
+  if (const auto calibration = run.detector().calibration())
+    json["calibration"] = calibrationJson(*calibration);
   if (fpga != nullptr)
     json["fpga"] = fpgaJson(fpga->summary(), options.parameters.fpga_clock.pixel_clock);
   return json.dump(2) + "\n";

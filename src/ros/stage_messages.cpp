@@ -166,6 +166,7 @@ void toMessage(const Obstacles& obstacles, const FrameNames& frames, ObstacleArr
   toMessage(obstacles.view, frames, message.view);
   Eigen::Map<Eigen::Vector3d>(message.focus.data()) = obstacles.focus.f;
   message.max_range = obstacles.max_range;
+  message.age = obstacles.age;
   message.separability = obstacles.separability;
   message.threshold = static_cast<std::int16_t>(obstacles.threshold);
   toMessages(obstacles.bearings, message.bearings);
@@ -182,6 +183,7 @@ Refusal fromMessage(const ObstacleArray& message, Obstacles& obstacles) {
   obstacles.frame = message.frame;
   obstacles.focus.f = Eigen::Map<const Eigen::Vector3d>(message.focus.data());
   obstacles.max_range = message.max_range;
+  obstacles.age = message.age;
   obstacles.separability = message.separability;
   obstacles.threshold = message.threshold;
   fromMessages(message.bearings, obstacles.bearings);

@@ -37,13 +37,13 @@ void StageMonitor::used(const ros::Time& stamp) {
 void StageMonitor::skipped(const std::string& reason) {
   ++counters_["skipped_" + reason];
   ++period_.skipped;
-  last_skip_ = reason;
+  period_.last_skip = reason;
 }
 
 void StageMonitor::dropped(const std::string& reason, const std::string& sentence) {
   ++counters_["dropped_" + reason];
   ++period_.dropped;
-  last_fault_ = sentence;
+  period_.faults.add(sentence);
   if (timeToSay(sentence)) ROS_ERROR_STREAM(name_ << ": " << sentence);
 }
 
@@ -84,21 +84,32 @@ void StageMonitor::summarize(diagnostic_updater::DiagnosticStatusWrapper& status
     status.summary(DiagnosticStatus::OK, "asleep: nobody listens");
   else if (period_.dropped > 0)
     status.summary(period_.used > 0 ? DiagnosticStatus::WARN : DiagnosticStatus::ERROR,
-                   last_fault_);
+                   period_.faults.commonest());
   else if (period_.received == 0)
     status.summary(DiagnosticStatus::WARN, "nothing comes in on " + expected_);
+  else if (!concern_.empty())
+    status.summary(DiagnosticStatus::WARN, concern_);
   else if (period_.used == 0 && period_.skipped > 0)
-    status.summary(DiagnosticStatus::OK, "no new evidence: " + last_skip_);
+    status.summary(DiagnosticStatus::OK, "no new evidence: " + period_.last_skip);
   else if (period_.used == 0)
     status.summary(DiagnosticStatus::WARN, "frames wait");
   else
     status.summary(DiagnosticStatus::OK, "frames are used");
 }
 
+void StageMonitor::listFaults(diagnostic_updater::DiagnosticStatusWrapper& status) const {
+  int number = 0;
+  for (const FaultLog::Fault& fault : period_.faults.faults())
+    status.add("fault_" + std::to_string(++number),
+               std::to_string(fault.count) + " times: " + fault.sentence);
+  if (period_.faults.others() > 0) status.add("other_faults", period_.faults.others());
+}
+
 void StageMonitor::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   const ros::WallTime now = ros::WallTime::now();
   const double seconds = (now - period_start_).toSec();
   summarize(status);
+  listFaults(status);
   status.addf("input_rate_hz", "%.2f", static_cast<double>(period_.received) / seconds);
   status.addf("used_rate_hz", "%.2f", static_cast<double>(period_.used) / seconds);
   if (period_.used > 0) status.addf("latency_s", "%.4f", period_.latency);

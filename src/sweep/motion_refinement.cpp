@@ -10,6 +10,7 @@ namespace {
 constexpr double gain_scale = 100.0;  // keeps the normal equations well conditioned
 constexpr double least_spread = 1.0, most_spread = 4.0, first_spread = 4.0;  // grey levels
 constexpr double tukey = 2.5;
+constexpr double cauchy = 2.0;  // standard deviations at which odometry's say is halved
 constexpr double median_to_sigma = 1.48;
 constexpr double converged = 5e-5;      // metres and radians
 constexpr double linear_within = 0.03;  // camera heights, radians: beyond it positions are redone
@@ -40,25 +41,55 @@ double tukeyWeight(double e, double limit) {
 
 }  // namespace
 
-/// Odometry and unchanged brightness, as information.
+/// Odometry and unchanged brightness as a prior. A heading that is wrong by e since the reference
+/// has also carried the robot x e / 2 sideways; what is left is independent. Wheels slip: distance
+/// and heading have the heavy tails of a Cauchy distribution, so that odometry which contradicts
+/// the floor by far loses its say.
 struct MotionRefinement::Prior {
   SE2 odometry;
-  Vector5 information;
+  double sd_forward, sd_sideways, sd_turn, sd_gain, sd_offset;
 
-  Prior(const MotionRefinementParameters& p, const SE2& motion) : odometry(motion) {
-    const double d = motion.distance();
-    const double x = p.sd_forward * d + p.sd_forward_floor;
-    const double y = p.sd_sideways * d + p.sd_sideways_floor;
-    const double turn = p.sd_turn * d + p.sd_turn_share * std::abs(motion.theta) + p.sd_turn_floor;
-    const double gain = p.sd_gain * gain_scale;
-    information << 1 / (x * x), 1 / (y * y), 1 / (turn * turn), 1 / (gain * gain),
-        1 / (p.sd_offset * p.sd_offset);
+  Prior(const MotionRefinementParameters& p, const SE2& motion, double seconds)
+      : odometry(motion),
+        sd_forward(p.sd_forward * motion.distance() + p.sd_forward_floor),
+        sd_sideways(p.sd_sideways * motion.distance() + p.sd_sideways_floor),
+        sd_turn(p.sd_turn * motion.distance() + p.sd_turn_share * std::abs(motion.theta) +
+                p.sd_turn_rate * seconds + p.sd_turn_floor),
+        sd_gain(p.sd_gain),
+        sd_offset(p.sd_offset) {}
+
+  /// Adds the prior's normal equations at a state.
+  void add(const SE2& motion, const Photometric& photometric, Matrix5& A, Vector5& b) const {
+    Vector5 row = Vector5::Zero();
+    row[0] = 1.0;
+    addRow(row, odometry.x - motion.x, sd_forward, true, A, b);
+    row[0] = 0.0;
+    row[2] = 1.0;
+    const double turned = odometry.theta - motion.theta;
+    addRow(row, turned, sd_turn, true, A, b);
+    const double lever = 0.5 * odometry.x;
+    row[1] = 1.0;
+    row[2] = -lever;
+    addRow(row, odometry.y - motion.y - lever * turned, sd_sideways, false, A, b);
+    addBrightness(photometric, A(3, 3), A(4, 4), b[3], b[4]);
   }
-  [[nodiscard]] Vector5 residual(const SE2& motion, const Photometric& photometric) const {
-    Vector5 e;
-    e << odometry.x - motion.x, odometry.y - motion.y, odometry.theta - motion.theta,
-        gain_scale * (1.0 - photometric.gain), -photometric.offset;
-    return e;
+  void addBrightness(const Photometric& photometric, double& A_gain, double& A_offset,
+                     double& b_gain, double& b_offset) const {
+    const double gain = 1.0 / (sd_gain * gain_scale * sd_gain * gain_scale);
+    const double offset = 1.0 / (sd_offset * sd_offset);
+    A_gain += gain;
+    A_offset += offset;
+    b_gain += gain * gain_scale * (1.0 - photometric.gain);
+    b_offset -= offset * photometric.offset;
+  }
+
+ private:
+  static void addRow(const Vector5& row, double e, double sd, bool heavy_tails, Matrix5& A,
+                     Vector5& b) {
+    const double share = e / (heavy_tails ? cauchy * sd : sd);
+    const double information = 1.0 / (sd * sd * (heavy_tails ? 1.0 + share * share : 1.0));
+    A.noalias() += (information * row) * row.transpose();
+    b.noalias() += (information * e) * row;
   }
 };
 
@@ -172,8 +203,7 @@ void MotionRefinement::step(const Prior& prior, const SE2& base, Eigen::Vector3d
   const double information = parameters_.correlation / (state.sigma * state.sigma);
   A *= information;
   b *= information;
-  A.diagonal() += prior.information;
-  b += prior.information.cwiseProduct(prior.residual(state.motion, state.photometric));
+  prior.add(state.motion, state.photometric, A, b);
   const Eigen::LLT<Matrix5> solver(A);
   const Vector5 delta = solver.solve(b);
   correction += delta.head<3>();
@@ -188,7 +218,7 @@ void MotionRefinement::fitBrightness(RefinedMotion& state) {
   constexpr int rounds = 3;
   state.photometric = {};
   state.sigma = first_spread;
-  const Prior prior(parameters_, state.motion);
+  const Prior prior(parameters_, state.motion, 0.0);
   for (int round = 0; round < rounds; ++round) {
     Eigen::Matrix2d A = Eigen::Matrix2d::Zero();
     Eigen::Vector2d b = Eigen::Vector2d::Zero();
@@ -204,9 +234,8 @@ void MotionRefinement::fitBrightness(RefinedMotion& state) {
     state.sigma = spread(state, false);
     const double information = parameters_.correlation / (state.sigma * state.sigma);
     A *= information;
-    A.diagonal() += prior.information.tail<2>();
-    b = information * b + prior.information.tail<2>().cwiseProduct(
-                              prior.residual(state.motion, state.photometric).tail<2>());
+    b *= information;
+    prior.addBrightness(state.photometric, A(0, 0), A(1, 1), b[0], b[1]);
     const Eigen::Vector2d delta = A.llt().solve(b);
     state.photometric.gain += delta[0] / gain_scale;
     state.photometric.offset += delta[1];
@@ -214,17 +243,21 @@ void MotionRefinement::fitBrightness(RefinedMotion& state) {
 }
 
 RefinedMotion MotionRefinement::refine(const RectifiedFrame& current,
-                                       const RectifiedFrame& reference, const SE2& odometry) {
+                                       const RectifiedFrame& reference, const SE2& odometry,
+                                       const SE2& start) {
   RefinedMotion state;
-  state.motion = odometry;
+  state.motion = parameters_.refine ? start : odometry;
   state.sigma = first_spread;
-  const Prior prior(parameters_, odometry);
-  SE2 base = odometry;
+  const Prior prior(parameters_, odometry, current.stamp - reference.stamp);
+  SE2 base = state.motion;
   Eigen::Vector3d correction = Eigen::Vector3d::Zero();
   linearize(current, reference, base);
   warp(reference, correction);
   state.samples = static_cast<int>(samples_.size());
-  if (state.samples < parameters_.min_samples) return state;
+  if (state.samples < parameters_.min_samples) {
+    state.motion = odometry;
+    return state;
+  }
   for (int i = 0; parameters_.refine && i < parameters_.iterations; ++i) {
     const Eigen::Vector3d before = correction;
     anneal_ = parameters_.first_spread * std::pow(0.5, i);

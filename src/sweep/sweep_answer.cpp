@@ -72,6 +72,8 @@ SweepDetector::FloorReach SweepDetector::floorReach(int beam, const SweepReferen
 Bearing SweepDetector::floorBearing(int beam) const {
   Bearing bearing;
   bearing.angle = static_cast<float>(sweep_.azimuth(beam));
+  const int nearest_row = std::max(sweep_.rows(beam).end - 1, 0);
+  bearing.near = static_cast<float>(grid_.distance(nearest_row * PolarGrid::rows_per_sweep_row));
   double range = rangeLimit(sweep_.azimuth(beam)), least_cost = 9.0;
   for (int q = 0; q < reference_count_; ++q) {
     const FloorReach reach = floorReach(beam, views_[static_cast<std::size_t>(q)]);
@@ -125,21 +127,7 @@ void SweepDetector::fillObstacles(Obstacles& obstacles) {
     }
     obstacles.bearings.push_back(bearing);
   }
-  limitFree(obstacles);
-}
-
-/// Beside a contact nothing farther is called free.
-void SweepDetector::limitFree(Obstacles& obstacles) const {
-  const int count = static_cast<int>(obstacles.bearings.size());
-  for (const Contact& contact : obstacles.contacts) {
-    const float range = obstacles.bearings[static_cast<std::size_t>(contact.bearing)].range;
-    const int first = std::max(0, contact.bearing - parameters_.selection.free_halo);
-    const int last = std::min(count - 1, contact.bearing + parameters_.selection.free_halo);
-    for (int beam = first; beam <= last; ++beam) {
-      Bearing& bearing = obstacles.bearings[static_cast<std::size_t>(beam)];
-      if (bearing.state == BearingState::Free) bearing.range = std::min(bearing.range, range);
-    }
-  }
+  free_floor_.limit(current_.T_floor_base, obstacles);
 }
 
 /// Distance from the camera's foot at which a bearing leaves the circle of max_range around base.

@@ -18,17 +18,30 @@ constexpr int expected_stages = 8;
 
 }  // namespace
 
-SweepDetector::SweepDetector(const SweepParameters& parameters) : parameters_(parameters) {
+SweepDetector::SweepDetector(const SweepParameters& parameters,
+                             const CalibrationParameters& calibration)
+    : parameters_(parameters),
+      calibration_mode_(calibration.mode),
+      calibration_(calibration, parameters.refinement) {
   times_.reserve(expected_stages);
 }
 
 void SweepDetector::setCamera(const CameraModel& camera, const CameraPose& T_base_camera) {
   camera_ = camera;
+  T_base_stated_ = T_base_camera;
+  calibration_.setCamera(T_base_camera);
+  configure(T_base_camera);
+  calibration_.configure(grid_, rectification_.ranges(), CalibrationVector::Zero());
+  reset();
+}
+
+/// Everything that depends on the pose that frames are rectified with.
+void SweepDetector::configure(const CameraPose& T_base_camera) {
   T_base_camera_ = T_base_camera;
   const Eigen::Vector2d foot = T_base_camera.translation().head<2>();
-  max_range_ = effectiveMaxRange(camera, T_base_camera, parameters_.grid.max_range);
-  grid_ = makePolarGrid(camera, T_base_camera, parameters_.grid, max_range_);
-  rectification_.configure(camera, T_base_camera, grid_);
+  max_range_ = effectiveMaxRange(camera_, T_base_camera, parameters_.grid.max_range);
+  grid_ = makePolarGrid(camera_, T_base_camera, parameters_.grid, max_range_);
+  rectification_.configure(camera_, T_base_camera, grid_);
   const std::vector<RowRange>& rows = rectification_.ranges();
   noise_.configure(grid_, rows, parameters_.noise);
   lattice_.configure(grid_, rows);
@@ -38,6 +51,9 @@ void SweepDetector::setCamera(const CameraModel& camera, const CameraPose& T_bas
   sweep_.configure(grid_, rows, noise_.sweepRows(), parameters_.grid.max_support,
                    parameters_.evidence);
   selection_.configure(sweep_, grid_.height, parameters_.selection);
+  leaning_.configure(parameters_.selection);
+  free_floor_.configure(parameters_.selection);
+  edge_.configure(parameters_.selection);
   ring_.configure(grid_, parameters_.reference);
   current_.image.resize(grid_.rows, grid_.lines);
   current_grey_.resize(grid_.sweepRows(), grid_.lines);
@@ -49,12 +65,13 @@ void SweepDetector::setCamera(const CameraModel& camera, const CameraPose& T_bas
     planes.floor_cost.resize(grid_.sweepRows(), sweep_.beams());
   }
   choices_.reserve(static_cast<std::size_t>(sweep_.beams()));
-  reset();
 }
 
 void SweepDetector::reset() {
   ring_.clear();
   refinement_.forgetFloor();
+  calibration_.reset();
+  free_floor_.reset();
   seen_any_ = false;
 }
 
@@ -74,6 +91,7 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
   lap_start_ = now();
   rectification_.rectify(frame.image, current_.image.view());
   current_.mean.evaluate(lattice_, current_.image.view());
+  current_.T_floor_base = T_floor_last_ * (T_odom_last_.inverse() * frame.T_odom_base);
   current_.T_odom_base = frame.T_odom_base;
   current_.stamp = frame.stamp;
   lap("rectification");
@@ -82,16 +100,22 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
     fillView(frame, obstacles);
     splitCurrent();
     compareWithReferences();
-    sweep_.evaluate({current_grey_.view(), weight_.view(), &noise_.sweepRows()}, views_.data(),
-                    reference_count_, static_cast<float>(parameters_.selection.publish_score),
-                    scores_);
+    const CurrentView view{current_grey_.view(), weight_.view(), &noise_.sweepRows()};
+    sweep_.evaluate(view, views_.data(), reference_count_,
+                    static_cast<float>(parameters_.selection.publish_score), scores_);
     lap("vertical_sweep");
     selection_.select(scores_, choices_);
+    leaning_.refine(view, views_.data(), reference_count_, sweep_, scores_, choices_);
+    edge_.refine(view, sweep_, scores_, choices_);
     fillObstacles(obstacles);
     maskFloor();
     lap("bearing_selection");
   }
-  ring_.offer(current_);
+  T_odom_last_ = current_.T_odom_base;
+  T_floor_last_ = current_.T_floor_base;
+  learnCalibration();
+  kept_ = ring_.offer(current_);
+  applyCalibration();
   return status;
 }
 
@@ -154,9 +178,11 @@ void SweepDetector::compareWithReferences() {
   const Eigen::Vector2d foot = T_base_camera_.translation().head<2>();
   for (std::size_t q = 0; q < static_cast<std::size_t>(reference_count_); ++q) {
     const RectifiedFrame& reference = *references_[q];
-    motions_[q] = refinement_.refine(current_, reference,
-                                     reference.T_odom_base.inverse() * current_.T_odom_base);
+    motions_[q] = refinement_.refine(current_, reference, expectedMotion(reference),
+                                     reference.T_floor_base.inverse() * current_.T_floor_base);
+    motions_[q].reference_stamp = reference.stamp;
   }
+  current_.T_floor_base = references_[0]->T_floor_base * motions_[0].motion;
   lap("motion_refinement");
   for (std::size_t q = 0; q < static_cast<std::size_t>(reference_count_); ++q) {
     Planes& planes = planes_[q];

@@ -13,16 +13,32 @@ namespace {
 constexpr int exit_usage = 2;
 constexpr int exit_file = 3;
 
+int complain(const std::string& what) {
+  std::cerr << "describe_parameters: " << what << "\n";
+  return exit_file;
+}
+
 /// 0 or an exit code.
-int writeGeneratedFiles(const std::string& root) {
-  for (const auto& [path, text] : ipm_mapping::generatedFiles()) {
-    if (const auto error = ipm_mapping::writeFileAtomically(root + "/" + path, text)) {
-      std::cerr << "describe_parameters: " << *error << "\n";
-      return exit_file;
-    }
-    std::cout << path << "\n";
-  }
+int write(const std::string& root, const std::string& path, const std::string& text) {
+  if (const auto error = ipm_mapping::writeFileAtomically(root + "/" + path, text))
+    return complain(*error);
+  std::cout << path << "\n";
   return 0;
+}
+
+int writeReadme(const std::string& root) {
+  std::string readme;
+  if (const auto error = ipm_mapping::readFile(root + "/README.md", readme))
+    return complain(*error);
+  const auto text = ipm_mapping::withGeneratedPart(readme, ipm_mapping::readmeParameters());
+  return text ? write(root, "README.md", *text)
+              : complain("README.md has no place for the parameters");
+}
+
+int writeGeneratedFiles(const std::string& root) {
+  for (const auto& [path, text] : ipm_mapping::generatedFiles())
+    if (const int code = write(root, path, text)) return code;
+  return writeReadme(root);
 }
 
 /// The built-in profile that a printed file names as its base.
@@ -41,8 +57,10 @@ int main(int argc, char** argv) {
   what->add_flag("--markdown", markdown, "print the reference as Markdown");
   what->add_option("--yaml", profile,
                    "print a complete profile file: default, paper, first_architecture, or a file");
-  what->add_option("--write", root,
-                   "write config/*.yaml and docs/parameters.md below this folder (the repository)");
+  what->add_option(
+      "--write", root,
+      "write config/*.yaml, docs/parameters.md and the README's parameters below this folder (the "
+      "repository)");
   what->require_option(1);
   try {
     app.parse(argc, argv);

@@ -29,19 +29,22 @@ struct Arguments : BagArguments {
   std::string out;
   std::string truth;
   int overlays = 0;
-  bool fpga = false;
+  bool fpga = false, temporal_filter = false;
 
   void declareAll(CLI::App& app) {
     app.add_option("bag", options.bag, "recording with images and odometry")->required();
     app.add_option("--out", out, "folder for the results (made if missing)")->required();
     declare(app);
     app.add_flag("--fpga", fpga, "let the bit-true FPGA model find the obstacles");
+    app.add_flag("--temporal-filter", temporal_filter,
+                 "only contacts seen in several of the last used frames (memory/filter)");
     app.add_option("--truth", truth, "truth.json of a rendered scene, drawn into map.png");
     app.add_option("--overlays", overlays, "draw every N-th used frame into overlays/NNNNNN.png")
         ->check(CLI::PositiveNumber);
   }
   void settleAll() {
     settle();
+    options.parameters.memory.filter |= temporal_filter;
     if (fpga) options.parameters.detector.kind = DetectorKind::Fpga;
   }
 };
@@ -76,24 +79,12 @@ void summarize(const OfflineRun& run, const std::string& out) {
               static_cast<unsigned long long>(r.contacts), ms);
   std::printf(
       "results in %s: map.png, overlay.png, map.pgm, map.yaml, points.csv, obstacles.csv, "
-      "report.json\n",
+      "trajectory.csv, report.json\n",
       out.c_str());
 }
 
 void writePicture(const std::string& path, const cv::Mat& picture) {
   if (!cv::imwrite(path, picture)) throw std::runtime_error("cannot write '" + path + "'");
-}
-
-/// An input that gave nothing to work on is an error; a robot that never moved is not.
-void requireImages(const RunReport& report) {
-  if (report.images == 0) throw BagError("the image topic has no messages");
-  if (report.unusable_images == report.images) throw BagError(report.first_refusal);
-  const auto status = [&](FrameStatus s) { return report.frames[static_cast<std::size_t>(s)]; };
-  if (status(FrameStatus::SizeMismatch) > 0 && report.used() == 0)
-    throw BagError(
-        "images are not of the calibrated size; give the right calibration with "
-        "--camera-info FILE.yaml");
-  if (report.odometry.empty()) throw BagError("the odometry topic has no messages");
 }
 
 /// The most telling frame of the run: the one with the most contacts.
@@ -159,7 +150,9 @@ void writeMap(const OfflineRun& run, const Arguments& a) {
   run.map().copyTo(map);
   if (const auto error = saveMap(map, a.out + "/map")) throw std::runtime_error(*error);
   const std::string title = std::filesystem::path(a.options.bag).stem().string();
-  writePicture(a.out + "/map.png", drawMap(map, {title, run.trajectory(), readTruth(a.truth)}));
+  std::vector<SE2> way;
+  for (const TrackedFrame& frame : run.trajectory()) way.push_back(frame.T_odom_base);
+  writePicture(a.out + "/map.png", drawMap(map, {title, way, readTruth(a.truth)}));
 }
 
 /// What only the FPGA model leaves: its FIFO's words (fifo.bin) and a part of the report.
@@ -213,6 +206,7 @@ void runOn(Arguments& a) {
   run.run(observers);
   requireImages(run.report());
   files.finish();
+  writeTrajectory(a.out, run.trajectory());
   fpga_files.finish();
   writeMap(run, a);
   overlay.write(a.out + "/overlay.png");

@@ -6,7 +6,9 @@
 #include <cstdlib>
 #include <new>
 
+#include "ipm_mapping/detectors/contact_memory.hpp"
 #include "ipm_mapping/detectors/pipeline.hpp"
+#include "support/fan_world.hpp"
 #include "support/ray_scene.hpp"
 
 namespace {
@@ -71,6 +73,36 @@ TEST(AllocationCount, CountsTheLibrarysAllocations) {
   const long before = allocations;
   const auto detector = makeDetector(Parameters::profile("paper"));
   EXPECT_GT(allocations - before, 0);
+}
+
+TEST(MemoryAllocation, HappensDuringWarmUpOnly) {
+  MemoryParameters parameters;
+  parameters.filter = true;
+  ContactMemory memory(parameters);
+  const FanWorld world{{{{2.0, 0.3}, 0.2}, {{2.2, -0.4}, 0.3}}};
+  std::vector<Obstacles> seen;
+  for (int k = 0; k < 80; ++k) seen.push_back(world.seenFrom({0.01 * k, 0.0, 0.0}, 0.1 * k));
+  Obstacles recalled;
+  std::size_t contacts = 0;
+  const auto drive = [&](int from, int to) {
+    for (int k = from; k < to; ++k) {
+      Obstacles& answer = seen[static_cast<std::size_t>(k)];
+      Frame frame{0, answer.view.stamp, GrayView{}, answer.view.T_odom_base};
+      memory.follow(frame, FrameStatus::Used, answer);
+      frame.stamp += 0.05;
+      memory.follow(frame, FrameStatus::NoMotion, recalled);
+      contacts += recalled.contacts.size();
+    }
+  };
+  // Until the nearest view of the obstacles has passed through every slot.
+  drive(0, 80);
+  seen.clear();
+  for (int k = 0; k < 80; ++k) seen.push_back(world.seenFrom({0.01 * k, 0.0, 0.0}, 10 + 0.1 * k));
+  contacts = 0;
+  const long before = allocations;
+  drive(0, 80);
+  EXPECT_EQ(allocations - before, 0);
+  EXPECT_GT(contacts, 500U);
 }
 
 INSTANTIATE_TEST_SUITE_P(Chain, Allocation, ::testing::Values("default", "paper"),

@@ -36,6 +36,23 @@ TEST_F(Se2Test, IsAGroup) {
   }
 }
 
+TEST_F(Se2Test, ExponentialIsManySmallStepsAndLogarithmItsInverse) {
+  for (int i = 0; i < 50; ++i) {
+    const SE2 pose = randomPose();
+    const Eigen::Vector3d v = logarithm(pose);
+    expectSame(exponential(v), pose);
+    SE2 walked;
+    constexpr int steps = 20000;
+    for (int k = 0; k < steps; ++k) walked = walked * SE2{v[0] / steps, v[1] / steps, v[2] / steps};
+    EXPECT_NEAR(walked.x, pose.x, 2e-3);
+    EXPECT_NEAR(walked.y, pose.y, 2e-3);
+  }
+  for (const double theta : {0.0, 1e-9, -1e-7, 1e-6, 2e-6}) {
+    const SE2 straight{0.3, -0.2, theta};
+    expectSame(exponential(logarithm(straight)), straight);
+  }
+}
+
 TEST_F(Se2Test, ActsOnPointsAsItsMatrixDoes) {
   for (int i = 0; i < 200; ++i) {
     const SE2 a = randomPose(), b = randomPose();

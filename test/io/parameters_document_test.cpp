@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <regex>
+#include <set>
+#include <sstream>
+
 #include "ipm_mapping/io/atomic_file.hpp"
 #include "ipm_mapping/io/parameters_yaml.hpp"
 #include "ipm_mapping/parameters/comparison_parameters.hpp"
@@ -21,6 +25,79 @@ TEST(ParametersDocument, FilesInTheRepositoryAreWhatTheStructsSay) {
         << path << " is out of date; write it anew from the root of the repository with\n"
         << "  ./scripts/env rosrun ipm_mapping describe_parameters --write .";
   }
+}
+
+TEST(ParametersDocument, TheReadmeSaysWhatTheStructsSay) {
+  std::string readme;
+  ASSERT_EQ(readFile(std::string(SOURCE_DIRECTORY) + "/README.md", readme), std::nullopt);
+  const auto expected = withGeneratedPart(readme, readmeParameters());
+  ASSERT_TRUE(expected) << "the README has no place for the parameters";
+  EXPECT_EQ(readme, *expected)
+      << "README.md is out of date; write it anew from the root of the repository with\n"
+      << "  ./scripts/env rosrun ipm_mapping describe_parameters --write .";
+}
+
+TEST(ParametersDocument, TheReadmeHasEveryParameterAndWhatComesFirstTwice) {
+  const std::string text = readmeParameters();
+  const std::size_t folded = text.find("<details>");
+  ASSERT_NE(folded, std::string::npos);
+  const auto row = [](const std::string& name, const FieldText& f) {
+    return "\n| `" + name + "` | " + f.type + " | " + (f.value.empty() ? "" : "`" + f.value + "`") +
+           " | " + f.unit + " | ";
+  };
+  const Parameters defaults;
+  Parameters::groups(defaults, [&](const char* name, const auto& group) {
+    const std::size_t begin = text.find(std::string("\n#### ") + name + "\n", folded);
+    ASSERT_NE(begin, std::string::npos) << name;
+    describeFields(group, [&](const FieldText& f) {
+      EXPECT_NE(text.find(row(f.name, f), begin), std::string::npos) << name << "/" << f.name;
+    });
+  });
+  describeFields(CameraParameters{}, [&](const FieldText& f) {
+    const bool first = f.name == "z" || f.name == "pitch" || f.name == "image_time_offset";
+    EXPECT_TRUE(!first || text.find(row("~camera/" + f.name, f)) < folded) << f.name;
+  });
+}
+
+/// GROUP/NAME of every code span of a page that looks like one: `map/hit`, `map/hit=2`, `~map/hit`.
+std::set<std::string> parametersNamedIn(const std::string& page) {
+  std::set<std::string> groups, named;
+  const Parameters defaults;
+  Parameters::groups(defaults, [&](const char* name, const auto&) { groups.insert(name); });
+  const std::regex span("`~?([a-z_]+)/([a-z_]+)(=[^`]*)?`");
+  for (auto it = std::sregex_iterator(page.begin(), page.end(), span); it != std::sregex_iterator();
+       ++it)
+    if (groups.count((*it)[1]) > 0) named.insert((*it)[1].str() + "/" + (*it)[2].str());
+  return named;
+}
+
+TEST(ParametersDocument, EveryParameterThatAPageNamesExists) {
+  std::set<std::string> known;
+  const Parameters defaults;
+  Parameters::groups(defaults, [&](const char* name, const auto& group) {
+    describeFields(group,
+                   [&](const FieldText& f) { known.insert(std::string(name) + "/" + f.name); });
+  });
+  std::size_t count = 0;
+  for (const char* page :
+       {"README.md", "docs/tuning.md", "docs/robot.md", "docs/accuracy.md", "docs/sweep.md"}) {
+    std::string text;
+    ASSERT_EQ(readFile(std::string(SOURCE_DIRECTORY) + "/" + page, text), std::nullopt);
+    for (const std::string& name : parametersNamedIn(text)) {
+      EXPECT_EQ(known.count(name), 1U) << page << " names " << name;
+      ++count;
+    }
+  }
+  EXPECT_GT(count, 20U);
+}
+
+TEST(ParametersDocument, OnlyWhatStandsBetweenTheMarksIsReplaced) {
+  const std::string before = "a\n<!-- parameters: written by describe_parameters -->\n",
+                    after = "<!-- end of the parameters -->\nb\n";
+  EXPECT_EQ(withGeneratedPart(before + "old\nrows\n" + after, "new\n"), before + "new\n" + after);
+  EXPECT_EQ(withGeneratedPart(before + after, "new\n"), before + "new\n" + after);
+  EXPECT_EQ(withGeneratedPart(before, "new\n"), std::nullopt);
+  EXPECT_EQ(withGeneratedPart(after + before, "new\n"), std::nullopt);
 }
 
 TEST(ParametersDocument, EveryProfileFileReadsAsItsProfile) {
@@ -66,7 +143,7 @@ TEST(ParametersDocument, HasARowForWhatStandsDirectlyInTheNodeletsNamespace) {
 }
 
 TEST(ParametersDocument, TablesAreNotBrokenByBarsInTheText) {
-  std::istringstream in(parametersMarkdown());
+  std::istringstream in(parametersMarkdown() + readmeParameters());
   std::size_t columns = 0;
   for (std::string line; std::getline(in, line);) {
     if (line.empty() || line[0] != '|') {

@@ -305,5 +305,76 @@ TEST(SweepCostKernels, VerticalCostIsTheSameOnEveryTarget) {
   });
 }
 
+/// Two references that see different rows of a support; what lies above `reach` looks like floor.
+struct SupportCase {
+  static constexpr int rows = 100;
+  VerticalCase images;
+  std::vector<std::uint16_t> floor = randomValues<std::uint16_t>(160, 0, 9000, 25);
+  std::vector<std::int32_t> weight = randomValues<std::int32_t>(160, 20, 1300, 26);
+  std::vector<std::int32_t> potential = std::vector<std::int32_t>(160, 0);
+  std::vector<kernels::EvidencePath> paths;
+
+  SupportCase() {
+    for (std::size_t j = 20; j < 25; ++j) floor[j] = kernels::no_cost;
+    // costs of a vertical line that mostly fits: small weights
+    for (auto& w : images.weight) w = static_cast<std::uint16_t>(w / 64);
+    paths.push_back({images.path(0.3, 0.6), floor.data(), 5, 96});
+    paths.push_back({images.path(0.8, 0.1), floor.data(), 11, 63});
+    for (std::size_t j = 1; j < potential.size(); ++j)
+      potential[j] = potential[j - 1] + 2 * 9000 * weight[j - 1] / 256;
+  }
+  [[nodiscard]] kernels::EvidenceTerms terms() const {
+    return {weight.data(), potential.data(), 5120, 102};
+  }
+  /// Row by row, by the two kernels that climbSupport() is made of.
+  [[nodiscard]] kernels::Climb oneByOne(int begin, int end) const {
+    std::vector<std::int32_t> evidence(160, 0);
+    for (const kernels::EvidencePath& p : paths) {
+      std::vector<std::uint16_t> cost(160);
+      kernels::verticalCost(p.vertical, 112, cost.data());
+      kernels::accumulateEvidence(floor.data() + p.begin, cost.data() + p.begin,
+                                  weight.data() + p.begin, 5120, 102, p.end - p.begin,
+                                  evidence.data() + p.begin);
+    }
+    kernels::Climb climb;
+    climb.best_row = end - 1;
+    for (int j = end - 1; j >= begin; --j) {
+      climb.sum += evidence[static_cast<std::size_t>(j)];
+      if (climb.sum > climb.best) climb.best = climb.sum, climb.best_row = j;
+    }
+    return climb;
+  }
+};
+
+TEST(SweepCostKernels, ClimbingASupportFindsTheHighestSumOfItsRows) {
+  const SupportCase data;
+  for (const auto& [begin, end] : {std::pair{0, 100}, {8, 97}, {30, 62}, {40, 43}, {90, 100}}) {
+    withEverySweepTarget([&, b = begin, e = end] {
+      const kernels::Climb expected = data.oneByOne(b, e);
+      kernels::Climb climb;
+      climb.best_row = e - 1;
+      kernels::climbSupport(data.paths.data(), 2, data.terms(), b, e, b, 0, climb);
+      EXPECT_EQ(climb.best, expected.best);
+      EXPECT_EQ(climb.best_row, expected.best_row);
+      EXPECT_EQ(climb.sum, expected.sum);
+    });
+  }
+}
+
+TEST(SweepCostKernels, ClimbingIsOverWhenNothingAboveCanHelp) {
+  SupportCase data;
+  kernels::Climb climb;
+  kernels::climbSupport(data.paths.data(), 2, data.terms(), 64, 96, 0, 0, climb);
+  EXPECT_FALSE(climb.over);
+  climb = {};
+  kernels::climbSupport(data.paths.data(), 2, data.terms(), 64, 96, 0, 1 << 30, climb);
+  EXPECT_TRUE(climb.over) << "not even everything above makes `least`";
+  climb = {};
+  std::fill(data.potential.begin(), data.potential.end(), 0);
+  kernels::climbSupport(data.paths.data(), 2, data.terms(), 64, 96, 0, 0, climb);
+  EXPECT_EQ(climb.over, climb.sum <= climb.best);
+  EXPECT_TRUE(climb.over);
+}
+
 }  // namespace
 }  // namespace ipm_mapping

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <new>
 
+#include "ipm_mapping/mapping/localized_map.hpp"
 #include "ipm_mapping/mapping/occupancy_map.hpp"
 
 namespace {
@@ -53,6 +54,20 @@ TEST(OccupancyMap, AllocatesOnlyWhenItGrows) {
   ASSERT_EQ(map.geometry().revision, revision);
   map.include({100.0, 0.0});
   EXPECT_GT(allocations - before, 0) << "the counter counts";
+}
+
+TEST(LocalizedMap, AllocatesOnlyUntilItsMemoryIsFull) {
+  OccupancyMap map;
+  LocalizedMap localized(map, MapCorrection::Follow, 4);
+  const Obstacles frames[] = {frameFacing(0.0), frameFacing(1.0), frameFacing(2.0)};
+  const auto drive = [&](int rounds) {
+    for (int i = 0; i < rounds; ++i)
+      for (const Obstacles& frame : frames) localized.update(frame, {});
+  };
+  drive(4);
+  const long before = allocations;
+  drive(4);
+  EXPECT_EQ(allocations - before, 0);
 }
 
 }  // namespace

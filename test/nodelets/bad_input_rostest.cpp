@@ -19,8 +19,10 @@ class BadInput : public testing::Test {
     // Every test has its own stretch of time: nothing of the one before reaches into it.
     static double shift = 0.0;
     topics_.time_shift = shift += 1000.0;
+    ASSERT_TRUE(waitForPublishers(obstacles_));
     ASSERT_TRUE(topics_.waitForListeners());
     ASSERT_TRUE(waitFor([&] { return diagnostics_.value("ipm", "input_rate_hz") >= 0.0; }));
+    diagnostics_.faults.clear();
   }
 
   /// A good sequence is answered as ever.
@@ -32,14 +34,17 @@ class BadInput : public testing::Test {
         << obstacles_.size() - before << " answers";
   }
 
-  /// A sentence that holds both words, shown as a fault.
+  /// How often a fault came whose sentence holds both words.
+  [[nodiscard]] long faults(const std::string& nodelet, const std::string& a,
+                            const std::string& b) {
+    long count = 0;
+    for (const auto& [sentence, times] : diagnostics_.faults[nodelet])
+      if (sentence.find(a) != std::string::npos && sentence.find(b) != std::string::npos)
+        count += times;
+    return count;
+  }
   [[nodiscard]] bool said(const std::string& nodelet, const std::string& a, const std::string& b) {
-    return waitFor([&] {
-      for (const auto& [sentence, level] : diagnostics_.sentences[nodelet])
-        if (sentence.find(a) != std::string::npos && sentence.find(b) != std::string::npos)
-          return level > 0;
-      return false;
-    });
+    return waitFor([&] { return faults(nodelet, a, b) > 0; });
   }
   [[nodiscard]] bool countsTo(const std::string& key, double before, double more) {
     return waitFor([&] { return diagnostics_.value("ipm", key) == std::max(0.0, before) + more; });
@@ -101,6 +106,24 @@ TEST_F(BadInput, ImageOfAnotherSizeIsNamedAndCounted) {
   for (int k = 0; k < 20; ++k) topics_.sendOdometry(0.02 * k);
   EXPECT_TRUE(countsTo("dropped_size_mismatch", before, 1));
   EXPECT_TRUE(said("ipm", "320x200", "320x240"));
+  expectTheChainToWork();
+}
+
+TEST_F(BadInput, EveryFaultIsSaidHoweverManyComeAtOnce) {
+  const auto image = [&](int i) {
+    return topics_.robot.image(topics_.stamp(0.1 * i), topics_.robot.pose(0));
+  };
+  std::vector<sensor_msgs::ImagePtr> images;
+  for (int i = 0; i < 4; ++i) images.push_back(image(i));
+  images[0]->encoding = images[2]->encoding = "32FC1";
+  images[1]->data.resize(100);
+  images[3]->height = 200;
+  topics_.sendInfo(0.0);
+  for (const auto& each : images) topics_.sendImage(each);
+  for (int k = 0; k < 30; ++k) topics_.sendOdometry(0.02 * k);
+  EXPECT_TRUE(waitFor([&] { return faults("ipm", "320x200", "320x240") == 1; }));
+  EXPECT_EQ(faults("ipm", "32FC1", "/robot/image_raw"), 2);
+  EXPECT_EQ(faults("ipm", "100 bytes", "data"), 1);
   expectTheChainToWork();
 }
 

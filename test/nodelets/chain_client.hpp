@@ -13,6 +13,7 @@
 
 #include <functional>
 #include <map>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,7 @@ class Collected {
     subscriber_ = node.subscribe<Message>(
         topic, 1000, [this](const boost::shared_ptr<const Message>& m) { all.push_back(m); });
   }
+  [[nodiscard]] bool connected() const { return subscriber_.getNumPublishers() > 0; }
   [[nodiscard]] std::size_t size() const { return all.size(); }
   [[nodiscard]] const Message& last() const { return *all.back(); }
 
@@ -47,6 +49,12 @@ class Collected {
  private:
   ros::Subscriber subscriber_;
 };
+
+/// Nothing of what comes next on these topics is missed.
+template <class... Messages>
+[[nodiscard]] bool waitForPublishers(const Collected<Messages>&... topics) {
+  return waitFor([&] { return (topics.connected() && ...); });
+}
 
 /// Counters of a nodelet as /diagnostics shows them.
 class Diagnostics {
@@ -66,6 +74,8 @@ class Diagnostics {
 
   /// Every (level, sentence) that a nodelet ever showed.
   std::map<std::string, std::map<std::string, int>> sentences;
+  /// How often a nodelet reported each of its faults, by sentence.
+  std::map<std::string, std::map<std::string, long>> faults;
 
  private:
   void onMessage(const diagnostic_msgs::DiagnosticArrayConstPtr& message) {
@@ -75,8 +85,18 @@ class Diagnostics {
       levels_[nodelet] = status.level;
       sentences[nodelet][status.message] = status.level;
       for (const auto& pair : status.values)
-        values_[nodelet + "/" + pair.key] = std::strtod(pair.value.c_str(), nullptr);
+        if (pair.key.rfind("fault_", 0) == 0)
+          addFault(nodelet, pair.value);
+        else
+          values_[nodelet + "/" + pair.key] = std::strtod(pair.value.c_str(), nullptr);
     }
+  }
+  /// "3 times: sentence"
+  void addFault(const std::string& nodelet, const std::string& text) {
+    const std::string words = " times: ";
+    const std::size_t at = text.find(words);
+    if (at == std::string::npos) throw std::runtime_error("a fault without its count: " + text);
+    faults[nodelet][text.substr(at + words.size())] += std::stol(text.substr(0, at));
   }
   ros::Subscriber subscriber_;
   std::map<std::string, double> values_;

@@ -76,6 +76,8 @@ class Chain : public testing::Test {
     ASSERT_TRUE(waitFor([] { return maps->size() > 0; }));
     first_map = maps->all.front();
     topics->tellTf();
+    ASSERT_TRUE(waitForPublishers(*maps, *probabilities, *updates, *obstacles, *scans, *contacts,
+                                  *free_floor));
     ASSERT_TRUE(topics->waitForListeners());
     topics->play(0, topics->robot.frames);
     waitFor([] {

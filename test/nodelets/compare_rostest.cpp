@@ -87,6 +87,8 @@ class Compare : public testing::Test {
         std::make_unique<Collected<sensor_msgs::Image>>(*node, "/camera/comparison/contacts");
     topics->tellTf();
     ASSERT_TRUE(everybodyAwake(diagnostics));
+    ASSERT_TRUE(waitForPublishers(*differences, *masks, *answers, *fixed_differences, *fixed_masks,
+                                  *fixed_answers, *reports, *comparisons, *pictures));
     ASSERT_TRUE(topics->waitForListeners());
     for (int i = 0; i < topics->robot.frames; ++i) {
       topics->play(i, i + 1);

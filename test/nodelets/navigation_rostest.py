@@ -14,6 +14,7 @@ from sensor_msgs.msg import LaserScan, PointCloud2
 from sensor_msgs import point_cloud2
 
 RESOLUTION = 0.05
+LAST_FRAME = 19  # of the synthetic robot's twenty
 BOX = (1.5, 1.8, -0.25, 0.15)  # x and y of the synthetic box
 
 
@@ -119,15 +120,19 @@ class Navigation(unittest.TestCase):
 
     @classmethod
     def wait_for_the_end(cls):
-        """The sequence is over when no new answer has come for a while."""
-        quiet, last = 0, -1
-        for _ in range(600):
+        """The robot drives until the end, so that its last frame is answered; the map holds it."""
+        for _ in range(1200):
             rospy.rostime.wallsleep(0.1)
-            count = sum(len(each) for each in cls.messages.values())
-            quiet = quiet + 1 if count == last and count > 0 else 0
-            last = count
-            if quiet > 25:
+            if cls.is_over():
                 return
+
+    @classmethod
+    def is_over(cls):
+        obstacles = cls.messages['obstacles']
+        if not obstacles or max(each.frame for each in obstacles.values()) < LAST_FRAME:
+            return False
+        return (all(len(each) == len(obstacles) for each in cls.messages.values())
+                and cls.map is not None and cls.map.header.stamp == max(obstacles))
 
     def points(self, name, stamp):
         message = self.messages[name][stamp]

@@ -95,6 +95,7 @@ TEST(Pictures, AreMadeWhileSomebodyLooksAndTheDetectorSleepsOtherwise) {
   EXPECT_EQ(topics.listeners(), 0) << "nobody looks";
 
   auto difference = std::make_unique<Pictures>(node, "difference_image");
+  ASSERT_TRUE(waitForPublishers(*difference));
   ASSERT_TRUE(topics.waitForListeners()) << "a look at the difference wakes the detector";
   topics.play(0, topics.robot.frames);
   waitFor([&] { return difference->size() >= expected.difference.size(); });
@@ -103,6 +104,7 @@ TEST(Pictures, AreMadeWhileSomebodyLooksAndTheDetectorSleepsOtherwise) {
   difference.reset();
   ASSERT_TRUE(waitFor([&] { return topics.listeners() == 0; })) << "nobody looks any more";
   const Pictures score(node, "score_image");
+  ASSERT_TRUE(waitForPublishers(score));
   ASSERT_TRUE(topics.waitForListeners()) << "and so does a look at the scores";
   topics.play(0, topics.robot.frames);
   waitFor([&] { return score.size() >= expected.score.size(); });

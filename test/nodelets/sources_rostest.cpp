@@ -24,6 +24,7 @@ class Sources : public testing::Test {
     static double shift = 0.0;
     topics_.time_shift = shift += 1000.0;
     topics_.tellTf();
+    ASSERT_TRUE(waitForPublishers(by_topic_, by_tf_));
     ASSERT_TRUE(topics_.waitForListeners());
     ASSERT_TRUE(waitFor([&] { return topics_.listeners() >= 2 && tf_.getNumSubscribers() >= 1; }));
     ASSERT_TRUE(waitFor([&] { return diagnostics_.value("ipm", "input_rate_hz") >= 0.0; }));

@@ -87,8 +87,12 @@ TEST(ZeroCopy, EveryLinkOfTheChainSharesItsMessages) {
   topics.tellTf();
   ASSERT_TRUE(topics.waitForListeners());
   topics.play(0, topics.robot.frames);
-  ASSERT_TRUE(waitFor([&] { return obstacles.first.size() >= 15; }));
-  waitFor([&] { return false; }, 0.5);
+  const auto last = static_cast<unsigned>(topics.robot.frames) - 1;
+  ASSERT_TRUE(waitFor([&] {
+    return obstacles.sums.size() >= 15 && obstacles.first.last().frame == last &&
+           obstacles.second.size() == obstacles.first.size() &&
+           obstacles.sums.size() == obstacles.first.size();
+  }));
 
   // Difference and mask take over the header of their picture, obstacles make one of their own.
   images.expectSharedAndUntouched(SyntheticRobot::marked_seq);

@@ -91,6 +91,7 @@ Obstacles someObstacles() {
   o.view = randomView(random);
   o.focus.f = {1.5, 2.5, -0.25};
   o.max_range = 2.0;
+  o.age = 1.25F;
   o.separability = 0.75F;
   o.threshold = -1;
   o.bearings = {{0.5F, 0.1F, 1.5F, 0.4F, BearingState::Free},
@@ -114,6 +115,7 @@ TEST(StageMessages, ObstaclesSurviveWhole) {
   EXPECT_EQ(back.frame, o.frame);
   EXPECT_EQ(back.focus.f, o.focus.f);
   EXPECT_EQ(back.max_range, o.max_range);
+  EXPECT_EQ(back.age, o.age);
   EXPECT_EQ(back.separability, o.separability);
   EXPECT_EQ(back.threshold, o.threshold);
   ASSERT_EQ(back.bearings.size(), o.bearings.size());

@@ -26,11 +26,12 @@ class Refinement : public ::testing::Test {
     frame.mean.evaluate(lattice, frame.image.view());
     return frame;
   }
-  RefinedMotion refine(const SE2& odometry) {
+  RefinedMotion refine(const SE2& odometry) { return refine(odometry, odometry); }
+  RefinedMotion refine(const SE2& odometry, const SE2& start) {
     MotionRefinement refinement;
     refinement.configure(grid, rectification.ranges(), scene.T_base_camera.translation().head<2>(),
                          parameters.refinement);
-    return refinement.refine(current, reference, odometry);
+    return refinement.refine(current, reference, odometry, start);
   }
   SweepParameters parameters = test::smallParameters();
   test::GrainedScene scene{test::smallCamera(), test::smallCameraPose()};
@@ -47,6 +48,24 @@ TEST_F(Refinement, RemovesMostOfAnOdometryError) {
   EXPECT_NEAR(refined.motion.x, T_odom_now.x, 0.0008);
   EXPECT_NEAR(refined.motion.y, T_odom_now.y, 0.0008);
   EXPECT_NEAR(refined.motion.theta, T_odom_now.theta, 0.0008);
+}
+
+/// A heading that went wrong at a constant rate has carried the odometry sideways as well.
+TEST_F(Refinement, RemovesABiasOfTheHeadingRate) {
+  current.stamp = 1.0;
+  const double wrong = 0.012;
+  const RefinedMotion refined =
+      refine({0.15, 0.004 + 0.5 * 0.15 * wrong, T_odom_now.theta + wrong});
+  EXPECT_NEAR(refined.motion.x, T_odom_now.x, 0.001);
+  EXPECT_NEAR(refined.motion.y, T_odom_now.y, 0.001);
+  EXPECT_NEAR(refined.motion.theta, T_odom_now.theta, 0.001);
+}
+
+/// The wheels have turned for a third more than was driven; what was refined so far is nearer.
+TEST_F(Refinement, SlippingWheelsAreNotBelieved) {
+  const RefinedMotion refined = refine({0.20, 0.004, 0.03}, {0.162, 0.004, 0.03});
+  EXPECT_NEAR(refined.motion.x, T_odom_now.x, 0.001);
+  EXPECT_NEAR(refined.motion.theta, T_odom_now.theta, 0.001);
 }
 
 TEST_F(Refinement, KeepsATrueMotion) {
@@ -77,7 +96,7 @@ TEST_F(Refinement, OffTrustsOdometryButStillFitsBrightness) {
 
 TEST_F(Refinement, WithoutFloorInCommonOdometryStays) {
   const SE2 elsewhere{0.15, 0.0, 2.5};
-  const RefinedMotion refined = refine(elsewhere);
+  const RefinedMotion refined = refine(elsewhere, {0.1, 0.0, 2.4});
   EXPECT_FALSE(refined.refined);
   EXPECT_DOUBLE_EQ(refined.motion.theta, elsewhere.theta);
 }
@@ -86,13 +105,13 @@ TEST_F(Refinement, FloorBehindAContactDoesNotTakePart) {
   MotionRefinement refinement;
   refinement.configure(grid, rectification.ranges(), scene.T_base_camera.translation().head<2>(),
                        parameters.refinement);
-  const int all = refinement.refine(current, reference, T_odom_now).samples;
+  const int all = refinement.refine(current, reference, T_odom_now, T_odom_now).samples;
   const int half_way = static_cast<int>(grid.row(0.8));
   for (int line = 0; line < grid.lines; ++line) refinement.setFloorBegin(line, half_way);
-  const int near = refinement.refine(current, reference, T_odom_now).samples;
+  const int near = refinement.refine(current, reference, T_odom_now, T_odom_now).samples;
   EXPECT_LT(near, all - 100);
   refinement.forgetFloor();
-  EXPECT_EQ(refinement.refine(current, reference, T_odom_now).samples, all);
+  EXPECT_EQ(refinement.refine(current, reference, T_odom_now, T_odom_now).samples, all);
 }
 
 }  // namespace

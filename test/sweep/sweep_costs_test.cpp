@@ -13,6 +13,7 @@ class Costs : public ::testing::Test {
  protected:
   void SetUp() override {
     scene.boxes = {{0.95, 1.25, -0.12, 0.22, 0.4}};
+    p.evidence.search_step = 1;
     const CameraModel& camera = scene.camera;
     grid = makePolarGrid(camera, scene.T_base_camera, p.grid, 2.0);
     rectification.configure(camera, scene.T_base_camera, grid);
@@ -177,6 +178,28 @@ TEST_F(Costs, StoppingEarlyLosesNothing) {
     }
   }
   EXPECT_GT(strong, 50);
+}
+
+TEST_F(Costs, SearchingInStepsFindsTheSameMaxima) {
+  SweepScores every, stepped;
+  sweep.evaluate(current, &reference, 1, 4.0F, every);
+  p.evidence.search_step = 2;
+  VerticalSweep coarse;
+  coarse.configure(grid, rectification.ranges(), noise.sweepRows(), p.grid.max_support, p.evidence);
+  coarse.evaluate(current, &reference, 1, 4.0F, stepped);
+  int strong = 0;
+  for (int beam = 0; beam < sweep.beams(); ++beam) {
+    const float* a = every.score.row(beam);
+    const float* b = stepped.score.row(beam);
+    const auto best = std::max_element(a, a + sweep.candidates()) - a;
+    if (a[best] < 8.0F) continue;
+    EXPECT_EQ(std::max_element(b, b + sweep.candidates()) - b, best) << beam;
+    EXPECT_EQ(b[best], a[best]);
+    EXPECT_EQ(stepped.top.at(static_cast<int>(best), beam),
+              every.top.at(static_cast<int>(best), beam));
+    ++strong;
+  }
+  EXPECT_GT(strong, 4);
 }
 
 TEST_F(Costs, TheBestCandidateOfABeamThatFacesTheBoxIsItsContact) {

@@ -50,7 +50,7 @@ def floor_picture(x):
 
 
 def write_bag(path, images=True, odometry=True, info=False, encoding="mono8", frames=12, fx=FOCAL,
-              still=False):
+              still=False, picture=floor_picture):
     """A robot that drives at 0.25 m/s; 10 pictures a second, odometry at 50 Hz."""
     with rosbag.Bag(path, "w") as bag:
         for k in range(5 * frames - 2):
@@ -64,13 +64,13 @@ def write_bag(path, images=True, odometry=True, info=False, encoding="mono8", fr
                 message.pose.pose.orientation.w = 1.0
                 bag.write("/odom", message, t)
             if images and k % 5 == 0:
-                picture = Image(height=HEIGHT, width=WIDTH, encoding=encoding, step=WIDTH)
-                picture.header.stamp, picture.header.frame_id = t, "camera"
-                picture.data = floor_picture(x).tobytes()
-                bag.write("/camera/rgb/image_raw", picture, t)
+                image = Image(height=HEIGHT, width=WIDTH, encoding=encoding, step=WIDTH)
+                image.header.stamp, image.header.frame_id = t, "camera"
+                image.data = picture(x).tobytes()
+                bag.write("/camera/rgb/image_raw", image, t)
                 if info:
                     k_matrix = [fx, 0, 159.5, 0, FOCAL, 119.5, 0, 0, 1]
-                    calibration = CameraInfo(header=picture.header, height=HEIGHT, width=WIDTH,
+                    calibration = CameraInfo(header=image.header, height=HEIGHT, width=WIDTH,
                                              distortion_model="plumb_bob", D=[0.0] * 5, K=k_matrix)
                     bag.write("/camera/rgb/camera_info", calibration, t)
 
@@ -146,6 +146,37 @@ class OfflineMapper(unittest.TestCase):
         pictures = {open(os.path.join(folder, name), "rb").read() for name in wanted}
         self.assertEqual(len(pictures), len(wanted), "each shows a frame of its own")
         self.refused(2, "--overlays", self.bag, "--out", self.out, "--overlays", "0")
+
+    def test_trajectory_has_every_frame_by_wheels_and_by_floor(self):
+        write_bag(self.bag, info=True, frames=20)
+        result = self.run_it(self.bag, "--out", self.out, self.pose)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        with open(os.path.join(self.out, "trajectory.csv"), encoding="ascii") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(list(rows[0]), (
+            "stamp frame x_odom y_odom theta_odom x_refined y_refined theta_refined "
+            "var_x cov_xy cov_xtheta var_y cov_ytheta var_theta").split())
+        self.assertEqual([int(row["frame"]) for row in rows], list(range(20)))
+        for k, row in enumerate(rows):
+            self.assertAlmostEqual(float(row["stamp"]), 1000.0 + 0.1 * k, 6)
+            self.assertAlmostEqual(float(row["x_odom"]), 0.025 * k, 5)
+        self.assertLess(abs(float(rows[-1]["x_refined"]) - 0.475), 0.005)
+        self.assertGreater(float(rows[-1]["var_x"]), 0.0)
+
+    def test_temporal_filter_keeps_some_contacts_of_the_same_frames(self):
+        write_bag(self.bag, info=True, frames=20)
+        tables = {}
+        for name, options in (("plain", []), ("filtered", ["--temporal-filter"])):
+            out = os.path.join(self.folder.name, name)
+            result = self.run_it(self.bag, "--out", out, self.pose, *options)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            with open(os.path.join(out, "points.csv"), encoding="ascii") as file:
+                tables[name] = set(file.readlines()[1:])
+            with open(os.path.join(out, "obstacles.csv"), encoding="ascii") as file:
+                tables[name + " frames"] = {line.split(",")[1] for line in file}
+        self.assertEqual(tables["plain frames"], tables["filtered frames"])
+        self.assertTrue(tables["filtered"])
+        self.assertTrue(tables["filtered"] < tables["plain"], "the first frame has no second sight")
 
     def test_a_robot_that_stands_is_no_error(self):
         write_bag(self.bag, info=True, still=True)

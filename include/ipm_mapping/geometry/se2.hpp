@@ -49,4 +49,22 @@ struct SE2 {
           wrapAngle(a.theta + t * wrapAngle(b.theta - a.theta))};
 }
 
+/// Velocity (x, y, theta), in the moving frame's own axes, that leads from identity to `pose` in
+/// one unit of time along an arc: the group's logarithm, t = V^-1 translation,
+///   V = (s, -c; c, s), s = sin(theta) / theta, c = (1 - cos(theta)) / theta.
+[[nodiscard]] inline Eigen::Vector3d logarithm(const SE2& pose) {
+  const double half = 0.5 * pose.theta;
+  const double a = std::abs(half) < 1e-6 ? 1.0 - half * half / 3.0 : half / std::tan(half);
+  return {a * pose.x + half * pose.y, a * pose.y - half * pose.x, pose.theta};
+}
+
+/// Where a constant velocity leads in one unit of time: the inverse of logarithm().
+[[nodiscard]] inline SE2 exponential(const Eigen::Vector3d& velocity) {
+  const double theta = velocity[2];
+  const bool small = std::abs(theta) < 1e-6;
+  const double s = small ? 1.0 - theta * theta / 6.0 : std::sin(theta) / theta;
+  const double c = small ? 0.5 * theta : 2.0 * std::pow(std::sin(0.5 * theta), 2) / theta;
+  return {s * velocity[0] - c * velocity[1], c * velocity[0] + s * velocity[1], wrapAngle(theta)};
+}
+
 }  // namespace ipm_mapping

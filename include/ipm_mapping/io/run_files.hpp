@@ -1,9 +1,12 @@
 #pragma once
 
+#include <cstdint>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include "ipm_mapping/obstacles.hpp"
+#include "ipm_mapping/sweep/floor_odometry.hpp"
 
 namespace ipm_mapping {
 
@@ -24,5 +27,17 @@ class RunFiles {
   std::ofstream points_csv_, obstacles_csv_;
   std::size_t points_ = 0;
 };
+
+/// Where the robot was at one frame.
+struct TrackedFrame {
+  std::uint64_t frame = 0;
+  double stamp = 0.0;        ///< seconds
+  SE2 T_odom_base;           ///< wheel odometry
+  sweep::FloorPose refined;  ///< wheels and floor
+};
+
+/// Writes `trajectory.csv` into an existing folder: every frame's pose by wheel odometry, by wheels
+/// and floor, and the covariance of the latter. Throws std::runtime_error naming the file.
+void writeTrajectory(const std::string& directory, const std::vector<TrackedFrame>& frames);
 
 }  // namespace ipm_mapping

@@ -16,6 +16,7 @@ inline constexpr std::int16_t no_residual = -32768;
 inline constexpr std::uint16_t no_cost = 65535;
 /// Kernels read and write up to this many elements past `count`.
 inline constexpr int overrun = 32;
+inline constexpr int evidence_block = 32;  ///< rows of a block of evidence
 
 /// A line of 2 * count bytes to its even and odd rows: (gain * byte + offset) >> 9, cut to
 /// [-8191, 8191]. gain 1 is 2^14, an offset of one grey level is 2^14 too.
@@ -92,5 +93,30 @@ void lowerTo(const std::uint16_t* other, std::int32_t prior, int count, std::uin
 void accumulateEvidence(const std::uint16_t* floor, const std::uint16_t* vertical,
                         const std::int32_t* weight, std::int32_t floor_cap, std::int32_t prior,
                         int count, std::int32_t* evidence);
+
+/// A candidate in one reference: pointers are at sweep row 0, rows begin ... end - 1 are seen.
+struct EvidencePath {
+  VerticalPath vertical;
+  const std::uint16_t* floor = nullptr;  ///< floor cost
+  int begin = 0, end = 0;
+};
+/// What all references and candidates of a beam have in common, from sweep row 0 on.
+struct EvidenceTerms {
+  const std::int32_t* weight = nullptr;
+  const std::int32_t* potential = nullptr;  ///< what the rows before a row could gain at most
+  std::int32_t floor_cap = 0, prior = 0;
+};
+/// A support on the way up from its contact.
+struct Climb {
+  std::int32_t sum = 0;   ///< evidence so far
+  std::int32_t best = 0;  ///< the highest that the sum has been
+  int best_row = 0;       ///< where
+  bool over = false;      ///< the rest cannot raise `best`, or cannot raise it to `least`
+};
+/// Follows a support up the rows end - 1 ... begin, evidence_block rows at a time, by
+/// verticalCost() and accumulateEvidence() of every reference. The support ends at row `top`, at
+/// `begin` or above it.
+void climbSupport(const EvidencePath* paths, int count, const EvidenceTerms& terms, int begin,
+                  int end, int top, std::int32_t least, Climb& climb);
 
 }  // namespace ipm_mapping::kernels

@@ -46,12 +46,13 @@ struct MapRectangle {
 
 /// What a map did not take.
 struct MapCounters {
-  std::uint64_t frames = 0;            ///< updates that were taken
-  std::uint64_t rejected_frames = 0;   ///< pose or camera not finite
-  std::uint64_t hits = 0;              ///< contacts that reached a cell
-  std::uint64_t rejected = 0;          ///< contacts and bearings that are not finite
-  std::uint64_t outside_contacts = 0;  ///< beyond max_side
-  std::uint64_t outside_rays = 0;      ///< end beyond max_side; their part inside is used
+  std::uint64_t frames = 0;             ///< updates that were taken
+  std::uint64_t remembered_frames = 0;  ///< seen earlier (age > 0): no new evidence
+  std::uint64_t rejected_frames = 0;    ///< pose or camera not finite
+  std::uint64_t hits = 0;               ///< contacts that reached a cell
+  std::uint64_t rejected = 0;           ///< contacts and bearings that are not finite
+  std::uint64_t outside_contacts = 0;   ///< beyond max_side
+  std::uint64_t outside_rays = 0;       ///< end beyond max_side; their part inside is used
 };
 
 /// Occupancy map on the floor of the odometry frame (the source, §5.4.2, §6.10.2, §7.3). Grows in
@@ -64,14 +65,16 @@ class OccupancyMap {
  public:
   explicit OccupancyMap(const MapParameters& parameters = {});
 
-  /// Takes one frame's contacts and bearings. Contacts remembered from earlier frames (age > 0)
-  /// are no new evidence and leave the map alone.
+  /// Takes one frame's contacts and bearings. What is remembered from earlier frames (age > 0), be
+  /// it the whole answer or single contacts, is no new evidence and leaves the map alone.
   void update(const Obstacles& obstacles);
   /// Grows the map so that it holds the point (metres, odom); false beyond max_side.
   bool include(const Eigen::Vector2d& point);
   /// Replaces the content, for instance with a map of an earlier run, placed to the nearest cell.
   /// Nothing on success, otherwise what does not fit; then the map stays as it was.
   [[nodiscard]] std::optional<std::string> load(const TrinaryMap& map);
+  /// Takes over the content of a map with the same parameters; all of it counts as changed.
+  void restore(const OccupancyMap& other);
   /// Forgets everything; the map is empty afterwards.
   void clear();
 

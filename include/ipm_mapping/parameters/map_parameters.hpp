@@ -9,6 +9,11 @@ enum class MapUpdate { LogOdds, MarkOnce };
 template <>
 inline constexpr std::array<const char*, 2> enum_names<MapUpdate>{"log_odds", "mark_once"};
 
+/// What becomes of the map when a localiser puts the odometry's frame elsewhere.
+enum class MapCorrection { Follow, Spread, Keep };
+template <>
+inline constexpr std::array<const char*, 3> enum_names<MapCorrection>{"follow", "spread", "keep"};
+
 /// Occupancy map (the source, §5.4.2, §7.3).
 struct MapParameters {
   MapUpdate update = MapUpdate::LogOdds;

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "ipm_mapping/parameters/field.hpp"
+#include "ipm_mapping/parameters/map_parameters.hpp"
 
 namespace ipm_mapping {
 
@@ -62,6 +63,9 @@ struct StageParameters {
 /// How the mapper publishes and keeps its map.
 struct MapperParameters {
   std::string frame = "odom";
+  std::string global_frame;
+  MapCorrection correction = MapCorrection::Follow;
+  int correction_frames = 600;
   double publish_rate = 5.0;
   double full_map_period = 1.0;
   std::string directory = "~/.ros/ipm_mapping";
@@ -74,6 +78,16 @@ struct MapperParameters {
   static void fields(Self& self, Visitor&& field) {
     field("frame", self.frame,
           "frame of the empty map until obstacles say in which frame they are");
+    field(
+        "global_frame", self.global_frame,
+        "frame of the map when a localiser places the odometry's frame in it by tf (usually map); "
+        "empty: the map is in the odometry's frame");
+    field("correction", self.correction,
+          "what a correction by the localiser does to the frames since the one before it. follow: "
+          "all move by it; spread: by the share of the way driven until then, for odometry that "
+          "drifts much between two corrections; keep: they stay where they were");
+    field("correction_frames", self.correction_frames, Unit{"frames"}, Range{1, 10000},
+          "so many of them are remembered to be moved, older ones stay");
     field("publish_rate", self.publish_rate, Unit{"Hz"}, Range{0.0, 100.0},
           "how often changes are published as map_updates; 0: after every frame");
     field("full_map_period", self.full_map_period, Unit{"s"}, Range{0.0, 3600.0},

@@ -66,12 +66,13 @@ struct MotionRefinementParameters {
   double farthest = 5.5;
   int row_step = 6;
   int line_step = 8;
-  int iterations = 5;
+  int iterations = 20;
   double first_spread = 16.0;
-  double sd_forward = 0.02;
+  double sd_forward = 0.04;
   double sd_sideways = 0.003;
   double sd_turn = 0.003;
   double sd_turn_share = 0.02;
+  double sd_turn_rate = 0.01;
   double sd_forward_floor = 0.001;
   double sd_sideways_floor = 0.0003;
   double sd_turn_floor = 0.0005;
@@ -97,6 +98,8 @@ struct MotionRefinementParameters {
     field("sd_turn", self.sd_turn, Unit{"rad/m"}, Range{1e-6, 1.0}, "heading error per metre");
     field("sd_turn_share", self.sd_turn_share, Unit{"rad/rad"}, Range{0.0, 1.0},
           "heading error per radian turned");
+    field("sd_turn_rate", self.sd_turn_rate, Unit{"rad/s"}, Range{0.0, 1.0},
+          "heading error per second: bias of a gyroscope or of unequal wheels");
     field("sd_forward_floor", self.sd_forward_floor, Unit{"m"}, Range{1e-6, 1.0},
           "error along x that is there without motion");
     field("sd_sideways_floor", self.sd_sideways_floor, Unit{"m"}, Range{1e-6, 1.0},
@@ -148,13 +151,14 @@ struct NoiseParameters {
 /// Costs of the floor and of a vertical line, and their difference.
 struct EvidenceParameters {
   double floor_cap = 2.5;
-  double vertical_prior = 0.05;
+  double vertical_prior = 0.03;
   double specular_prior = 0.2;
   double specular_parallax = 0.12;
   double drift_width = 0.085;
   double drift_length = 0.10;
   double evidence_rows = 360.0;
   int beam_step = 6;
+  int search_step = 2;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& field) {
@@ -177,13 +181,15 @@ struct EvidenceParameters {
     field("evidence_rows", self.evidence_rows, Unit{"1"}, Range{1.0, 10000.0},
           "independent observations per unit of r: scores count these");
     field("beam_step", self.beam_step, Unit{"lines"}, Range{1, 64}, "lines from beam to beam");
+    field("search_step", self.search_step, Unit{"candidates"}, Range{1, 8},
+          "every how many candidates one is evaluated before the maxima are");
   }
 };
 
 /// From scores to one contact a beam.
 struct SelectionParameters {
   double nearer_score = 15.0;
-  double publish_score = 5.0;
+  double publish_score = 4.0;
   double publish_slope = 20.0;
   double step_cost = 0.5;
   double jump_cost = 20.0;
@@ -191,11 +197,19 @@ struct SelectionParameters {
   double presence_cost = 2.0;
   double score_cap = 60.0;
   int refine_steps = 4;
+  int lean_reach = 14;
+  double lean_gain = 1.02;
+  double edge_score = 20.0;
+  double edge_contrast = 12.0;
+  int edge_farther = 4;
+  int edge_nearer = 6;
   bool straddle = true;
   double straddle_gap = 0.133;
   double straddle_ratio = 1.5;
   double free_cost = 1.3;
-  int free_halo = 4;
+  int free_halo = 6;
+  double free_gap = 0.3;
+  double near_memory = 30.0;
   double blocked_cost = 2.0;
   int free_window = 15;
 
@@ -219,6 +233,19 @@ struct SelectionParameters {
           "scores of a beam are scaled (not clipped) to at most this");
     field("refine_steps", self.refine_steps, Unit{"candidates"}, Range{0, 64},
           "how far from the smooth solution a beam's own maximum may lie");
+    field("lean_reach", self.lean_reach, Unit{"candidates"}, Range{0, 128},
+          "how far in front of a contact the foot of a surface that leans away is looked for; 0: "
+          "everything stands upright");
+    field("lean_gain", self.lean_gain, Unit{""}, Range{1.0, 10.0},
+          "such a surface has to score this many times the upright one");
+    field("edge_score", self.edge_score, Unit{""}, Range{0.0, 1000.0},
+          "what the image's edge at an obstacle's foot adds to a candidate at most; 0: not used");
+    field("edge_contrast", self.edge_contrast, Unit{"grey levels/row"}, Range{0.1, 255.0},
+          "change of the grey level along the line at which an edge adds half of that");
+    field("edge_farther", self.edge_farther, Unit{"candidates"}, Range{0, 64},
+          "how far behind the score's maximum the edge may lie");
+    field("edge_nearer", self.edge_nearer, Unit{"candidates"}, Range{0, 64},
+          "how far in front of it: surfaces that lean away are seen too far");
     field("straddle", self.straddle,
           "drop a contact beside a clearly nearer and stronger one: its beam straddles an edge");
     field("straddle_gap", self.straddle_gap, Unit{"camera heights"}, Range{0.0, 10.0},
@@ -231,6 +258,11 @@ struct SelectionParameters {
           "floor is called free no farther than the contacts this many beams beside it: an "
           "obstacle's "
           "plain parts look like floor");
+    field("free_gap", self.free_gap, Unit{"m"}, Range{0.0, 10.0},
+          "between two contacts closer together than this nothing behind them is free: no robot "
+          "passes there");
+    field("near_memory", self.near_memory, Unit{"s"}, Range{0.0, 3600.0},
+          "how long a contact that passed below the view goes on hiding what is behind it; 0: not");
     field("blocked_cost", self.blocked_cost, Unit{"sigma^2"}, Range{0.0, 9.0},
           "a beam without contact whose nearest floor costs more than this is blocked: something "
           "stands nearer than the view");

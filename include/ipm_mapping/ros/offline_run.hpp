@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "ipm_mapping/detector.hpp"
+#include "ipm_mapping/detectors/contact_confirmation.hpp"
 #include "ipm_mapping/frame_gate.hpp"
+#include "ipm_mapping/io/run_files.hpp"
 #include "ipm_mapping/mapping/occupancy_map.hpp"
 #include "ipm_mapping/parameters.hpp"
 #include "ipm_mapping/ros/bag_source.hpp"
@@ -62,6 +64,10 @@ struct RunReport {
   void addStage(const char* stage, double seconds);
 };
 
+/// An input that gave nothing to work on is an error, a robot that never moved is not: throws
+/// BagError.
+void requireImages(const RunReport& report);
+
 /// The chain from bag to map, through the classes that the nodelets use: frames wait for odometry
 /// in the gate, the detector answers, the map takes the answer.
 class OfflineRun {
@@ -85,8 +91,8 @@ class OfflineRun {
   [[nodiscard]] const OccupancyMap& map() const { return map_; }
   [[nodiscard]] const RunReport& report() const { return report_; }
   [[nodiscard]] const Detector& detector() const { return detector_; }
-  /// Robot poses at the frames' stamps.
-  [[nodiscard]] const std::vector<SE2>& trajectory() const { return trajectory_; }
+  /// Robot poses at the stamps of all frames that reached the detector.
+  [[nodiscard]] const std::vector<TrackedFrame>& trajectory() const { return trajectory_; }
 
  private:
   void addImage(const BagSource::Image& image);
@@ -102,9 +108,11 @@ class OfflineRun {
   Detector& detector_;
   FrameGate<std::pair<std::uint64_t, GrayPicture>> gate_;
   OccupancyMap map_;
+  ContactConfirmation confirmation_;
   Obstacles obstacles_;
   RunReport report_;
-  std::vector<SE2> trajectory_;
+  sweep::FloorOdometry floor_odometry_;
+  std::vector<TrackedFrame> trajectory_;
   std::uint64_t next_index_ = 0;
   bool ended_ = false;
 };

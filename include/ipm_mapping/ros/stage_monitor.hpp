@@ -11,12 +11,15 @@
 #include <string>
 
 #include "ipm_mapping/detector.hpp"
+#include "ipm_mapping/ros/fault_log.hpp"
 
 namespace ipm_mapping {
 
 /// Counts what becomes of a stage's input, says so on the console (each sentence at most every few
 /// seconds) and on /diagnostics (every second of wall time, whatever the simulated clock does):
 /// OK, WARN when input stays away or some of it is dropped, ERROR when nothing but faults came.
+/// The status' sentence is the commonest fault; each of them, with how often it came since the
+/// status before, is a value `fault_1`, `fault_2` ... ("3 times: sentence").
 class StageMonitor {
  public:
   /// `name` as it shall stand in front of every sentence.
@@ -40,6 +43,8 @@ class StageMonitor {
 
   /// A figure that diagnostics show.
   void set(const std::string& name, double value) { values_[name] = value; }
+  /// A sentence that turns OK into WARN until it is taken back (empty).
+  void setConcern(const std::string& sentence) { concern_ = sentence; }
   /// Nobody listens: no input is no fault.
   void setAsleep(bool asleep) { asleep_ = asleep; }
   [[nodiscard]] std::uint64_t counter(const std::string& reason) const;
@@ -48,12 +53,15 @@ class StageMonitor {
   struct Period {
     std::uint64_t received = 0, used = 0, skipped = 0, dropped = 0;
     double latency = 0.0;
+    std::string last_skip;
+    FaultLog faults;
   };
   void report(diagnostic_updater::DiagnosticStatusWrapper& status);
   void summarize(diagnostic_updater::DiagnosticStatusWrapper& status) const;
+  void listFaults(diagnostic_updater::DiagnosticStatusWrapper& status) const;
   [[nodiscard]] bool timeToSay(const std::string& sentence);
 
-  std::string name_, expected_, last_fault_, last_skip_;
+  std::string name_, expected_, concern_;
   std::map<std::string, std::uint64_t> counters_;
   std::map<std::string, double> values_;
   std::map<std::string, ros::WallTime> said_;

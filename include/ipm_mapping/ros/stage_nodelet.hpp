@@ -29,6 +29,12 @@ class StageNodelet : public nodelet::Nodelet {
       monitor_->dropped("exception", error.what());
     }
   }
+  /// Does `work` again and again, in wall time: also after a simulated clock has stopped.
+  template <class Work>
+  void every(double seconds, ros::WallTimer& timer, Work work) {
+    timer = node().createWallTimer(ros::WallDuration(seconds),
+                                   [this, work](const ros::WallTimerEvent&) { guarded(work); });
+  }
 
  private:
   void onInit() final;

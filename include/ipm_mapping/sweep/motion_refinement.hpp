@@ -18,6 +18,7 @@ struct RectifiedFrame {
   Image<std::uint8_t> image;  ///< rows x lines of the polar grid
   LocalMean mean;
   SE2 T_odom_base;
+  SE2 T_floor_base;  ///< the same by chaining refined motions
   double stamp = 0.0;
 };
 
@@ -26,16 +27,18 @@ struct RefinedMotion {
   SE2 motion;  ///< pose of the current base in the reference's
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of x, y, theta
   Photometric photometric;
-  double sigma = 0.0;    ///< robust spread of the floor's residual, grey levels
-  int samples = 0;       ///< floor pixels that both frames see
-  bool refined = false;  ///< false: too little floor, the motion is odometry's
+  double sigma = 0.0;            ///< robust spread of the floor's residual, grey levels
+  int samples = 0;               ///< floor pixels that both frames see
+  bool refined = false;          ///< false: too little floor, the motion is odometry's
+  double reference_stamp = 0.0;  ///< seconds: of the frame that the motion starts from
 };
 
 /// Aligns the floor of two frames: Gauss-Newton over (x, y, theta, gain, offset) on high-passed
 /// images, Tukey weights with a spread from the median, odometry as prior:
 ///   min sum_i rho(I_c(p_i) - gain I_r(w(p_i; x, y, theta)) - offset) * correlation / sigma^2
 ///       + |(x, y, theta) - odometry|^2 / sd^2 + ((gain - 1) / sd_gain)^2 + (offset / sd_offset)^2.
-/// y and theta look nearly the same on the floor: the tight prior on y separates them.
+/// y and theta look nearly the same on the floor; wheels do not slide sideways, so that y is known
+/// once theta is, and that separates them. Distance and heading have heavy tails: wheels slip.
 /// Then gain and offset alone on the plain images.
 class MotionRefinement {
  public:
@@ -46,8 +49,10 @@ class MotionRefinement {
   void setFloorBegin(int line, int row) { floor_begin_[static_cast<std::size_t>(line)] = row; }
   void forgetFloor() { floor_begin_.assign(floor_begin_.size(), 0); }
 
+  /// `odometry` is the prior, `start` where the search begins: what is known from refining the
+  /// frames in between. Where floor is missing the answer is odometry's.
   [[nodiscard]] RefinedMotion refine(const RectifiedFrame& current, const RectifiedFrame& reference,
-                                     const SE2& odometry);
+                                     const SE2& odometry, const SE2& start);
 
  private:
   /// A fixed floor point of the current view.

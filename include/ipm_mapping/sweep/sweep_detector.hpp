@@ -1,16 +1,21 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "ipm_mapping/detector.hpp"
 #include "ipm_mapping/parameters/sweep_parameters.hpp"
 #include "ipm_mapping/sweep/bearing_selection.hpp"
+#include "ipm_mapping/sweep/contact_edge.hpp"
 #include "ipm_mapping/sweep/cylindrical_rectification.hpp"
 #include "ipm_mapping/sweep/floor_cost.hpp"
+#include "ipm_mapping/sweep/free_floor.hpp"
+#include "ipm_mapping/sweep/leaning_surface.hpp"
 #include "ipm_mapping/sweep/motion_refinement.hpp"
 #include "ipm_mapping/sweep/noise_model.hpp"
 #include "ipm_mapping/sweep/reference_ring.hpp"
+#include "ipm_mapping/sweep/self_calibration.hpp"
 #include "ipm_mapping/sweep/specular_cost.hpp"
 #include "ipm_mapping/sweep/vertical_sweep.hpp"
 
@@ -20,16 +25,23 @@ namespace ipm_mapping::sweep {
 /// vertical that stands on the floor at this distance?
 class SweepDetector : public Detector {
  public:
-  explicit SweepDetector(const SweepParameters& parameters = {});
+  explicit SweepDetector(const SweepParameters& parameters = {},
+                         const CalibrationParameters& calibration = {});
 
   void setCamera(const CameraModel& camera, const CameraPose& T_base_camera) override;
   void reset() override;
   FrameStatus process(const Frame& frame, Obstacles& obstacles) override;
   [[nodiscard]] const std::vector<StageTime>& stageTimes() const override { return times_; }
   [[nodiscard]] const char* id() const override { return "sweep"; }
+  [[nodiscard]] std::optional<CalibrationReport> calibration() const override;
 
-  /// Motion from the first reference to the last processed frame as the floor shows it.
-  [[nodiscard]] const RefinedMotion& refinedMotion() const { return motions_[0]; }
+  /// Motion from each reference to the last used frame as the floor shows it.
+  [[nodiscard]] int referenceCount() const { return reference_count_; }
+  [[nodiscard]] const RefinedMotion& refinedMotion(int reference = 0) const {
+    return motions_[static_cast<std::size_t>(reference)];
+  }
+  /// The last processed frame may become a reference of later ones.
+  [[nodiscard]] bool keptAsReference() const { return kept_; }
   [[nodiscard]] const PolarGrid& grid() const { return grid_; }
   /// Scores of the last processed frame, candidates x beams.
   [[nodiscard]] ImageView<const float> scores() const { return scores_.score.view(); }
@@ -43,6 +55,10 @@ class SweepDetector : public Detector {
     Image<std::uint16_t> floor_cost;
   };
 
+  void configure(const CameraPose& T_base_camera);
+  void learnCalibration();
+  void applyCalibration();
+  [[nodiscard]] SE2 expectedMotion(const RectifiedFrame& reference) const;
   FrameStatus findReferences(const Frame& frame);
   void maskFloor();
   void splitCurrent();
@@ -51,7 +67,6 @@ class SweepDetector : public Detector {
                       Planes& planes);
   void fillView(const Frame& frame, Obstacles& obstacles) const;
   void fillObstacles(Obstacles& obstacles);
-  void limitFree(Obstacles& obstacles) const;
   void fillCandidates(Obstacles& obstacles) const;
   Contact contactOf(int beam, const BeamChoice& choice) const;
   /// How far the floor of a beam reaches for one reference, and what its near end costs.
@@ -65,8 +80,11 @@ class SweepDetector : public Detector {
   void lap(const char* stage);
 
   SweepParameters parameters_;
+  CalibrationMode calibration_mode_;
+  SelfCalibration calibration_;
   CameraModel camera_;
-  CameraPose T_base_camera_ = CameraPose::Identity();
+  CameraPose T_base_stated_ = CameraPose::Identity();
+  CameraPose T_base_camera_ = CameraPose::Identity();  ///< in force
   double max_range_ = 0.0;
   PolarGrid grid_;
   CylindricalRectification rectification_;
@@ -76,6 +94,9 @@ class SweepDetector : public Detector {
   SpecularCost specular_;
   VerticalSweep sweep_;
   BearingSelection selection_;
+  LeaningSurface leaning_;
+  ContactEdge edge_;
+  FreeFloor free_floor_;
   ReferenceRing ring_;
   BlockLattice lattice_;
 
@@ -90,7 +111,8 @@ class SweepDetector : public Detector {
   SweepScores scores_;
   std::vector<BeamChoice> choices_;
   SE2 last_used_;
-  bool seen_any_ = false;
+  SE2 T_odom_last_, T_floor_last_;  // of the last frame
+  bool seen_any_ = false, kept_ = false;
   std::vector<StageTime> times_;
   double lap_start_ = 0.0;
 };

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "ipm_mapping/image_view.hpp"
+#include "ipm_mapping/kernels/sweep_costs.hpp"
 #include "ipm_mapping/sweep/floor_cost.hpp"
 #include "ipm_mapping/sweep/foot_motion.hpp"
 #include "ipm_mapping/sweep/polar_grid.hpp"
@@ -42,6 +43,13 @@ class VerticalSweep {
   void evaluate(const CurrentView& current, const SweepReference* references, int count,
                 float least_score, SweepScores& scores);
 
+  /// Prepares leaningScore() for the candidates of one beam.
+  void aimBeam(const SweepReference* references, int count, int beam);
+  /// Score of a surface that stands on the floor at a candidate and leans away from the camera by
+  /// `lean` metres per metre of height; less than `least_score` may be given as 0.
+  float leaningScore(const CurrentView& current, const SweepReference* references, int count,
+                     int beam, int candidate, double lean, float least_score, std::int16_t& top);
+
   [[nodiscard]] int beams() const { return beams_; }
   [[nodiscard]] int candidates() const { return candidates_; }
   [[nodiscard]] int firstLine(int beam) const { return beam * beam_step_; }
@@ -55,37 +63,42 @@ class VerticalSweep {
   [[nodiscard]] RowRange rows(int beam) const { return beam_rows_[static_cast<std::size_t>(beam)]; }
 
  private:
-  /// Where a candidate's vertical line lies in a reference.
+  /// Where a candidate's vertical line lies in a reference: first line, and by how many fine rows
+  /// it is moved; fractions in 1/2^15.
   struct Place {
-    double line, shift;  // first line; fine rows
+    int line = 0, shift = 0;
+    std::int16_t line_fraction = 0, row_fraction = 0;
   };
-  /// The same as rows of a reference's planes: row j lies at upper[j + upper_offset].
-  struct Aim {
-    const std::int16_t* upper = nullptr;
-    const std::int16_t* lower = nullptr;
-    int upper_offset = 0, lower_offset = 0;
-    std::int16_t row_fraction = 0, line_fraction = 0;
-    RowRange rows;
-  };
-  void bound(const SweepReference* references, int count, int beam);
+  std::int32_t bound(const SweepReference* references, int count, int beam);
+  static Place fixedPlace(double line, double shift);
   void place(const FootMotion& motion, int beam, std::vector<Place>& places) const;
-  Aim aim(const SweepReference& reference, const Place& place, RowRange support) const;
-  void addEvidence(const CurrentView& current, const SweepReference& reference, const Aim& aim,
-                   int beam, RowRange block);
+  kernels::EvidencePath pathOf(const CurrentView& current, const SweepReference& reference,
+                               const Place& place, int beam, RowRange support) const;
+  void aim(const CurrentView& current, const SweepReference* references, int count, int beam,
+           int candidate, RowRange support);
+  [[nodiscard]] double candidateR(int candidate) const {
+    return row_r_[static_cast<std::size_t>(first_row_ + candidate)];
+  }
+  [[nodiscard]] int leaningCandidate(int candidate, double lean, int row) const;
   float scoreOf(const CurrentView& current, const SweepReference* references, int count, int beam,
-                int candidate, std::int32_t least, std::int16_t& top);
+                int candidate, double lean, std::int32_t least, std::int16_t& top);
+  void evaluateBeam(const CurrentView& current, const SweepReference* references, int count,
+                    int beam, std::int32_t least, float* score, std::int16_t* top);
 
   PolarGrid grid_;
-  int beam_step_ = 1, beams_ = 0, candidates_ = 0, first_row_ = 0, support_rows_ = 0;
+  int beam_step_ = 1, search_step_ = 1, beams_ = 0, candidates_ = 0, first_row_ = 0,
+      support_rows_ = 0;
   std::int32_t floor_cap_ = 0, prior_ = 0;
   std::vector<RowRange> beam_rows_;       // current: sweep rows, eight lines
   std::vector<RowRange> reference_rows_;  // reference: fine rows, nine lines from each line on
   std::vector<std::int32_t> row_weight_;  // w(row) in 1/256
+  std::vector<double> row_r_;             // of every sweep row, also below the view
   std::vector<std::int32_t> bound_;       // most that a support ending at a row can gain
   std::vector<std::int32_t> potential_;   // sum of what the rows before a row could gain
-  std::vector<std::int32_t> evidence_;
-  std::vector<std::uint16_t> cost_;
+  std::vector<std::int32_t> gain_;        // most that each row can gain
+  std::vector<std::uint16_t> no_vertical_cost_;
   std::array<std::vector<Place>, max_references> places_;
+  std::array<kernels::EvidencePath, max_references> paths_;
 };
 
 }  // namespace ipm_mapping::sweep

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+
+namespace ipm_mapping {
+
+/// What self-calibration has to say, in radians, metres, seconds and ratios.
+struct CalibrationReport {
+  struct Value {
+    double stated = 0.0, estimate = 0.0, sigma = 0.0;
+    [[nodiscard]] double off() const { return estimate - stated; }
+  };
+  Value pitch;               ///< of the camera, down is positive
+  Value roll;                ///< of the camera about its heading, over the stated one
+  Value yaw;                 ///< of the camera's heading, over the stated one
+  Value height;              ///< of the camera over the floor
+  Value scale;               ///< true way over odometry's
+  Value turn_scale;          ///< true turn over odometry's, without the drift
+  Value yaw_rate;            ///< true heading change over odometry's, per second
+  double ratio_sigma = 0.0;  ///< of height over odometry's way, relative: all that the floor shows
+  int pairs = 0;             ///< of frames that were compared
+  bool believable = false;   ///< within the stated bounds, and enough pairs
+  bool confident = false;    ///< sure enough to be applied
+  bool applied = false;      ///< the detector works with an estimate
+  bool pitch_off = false, roll_off = false, height_off = false;  ///< surely and usefully
+};
+
+/// What to change, as sentences for people; says so when all is well or little is known.
+[[nodiscard]] std::string advice(const CalibrationReport& report);
+
+}  // namespace ipm_mapping

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "ipm_mapping/detector.hpp"
+#include "ipm_mapping/detectors/contact_confirmation.hpp"
+#include "ipm_mapping/parameters/memory_parameters.hpp"
+
+namespace ipm_mapping {
+
+/// What one used frame saw, to be asked about places in the odometry frame.
+class RememberedView {
+ public:
+  /// Takes a used frame's answer; allocates only while the number of bearings grows.
+  void assign(const Obstacles& seen);
+
+  [[nodiscard]] const GroundView& ground() const { return ground_; }
+  [[nodiscard]] double maxRange() const { return max_range_; }
+  [[nodiscard]] const std::vector<Bearing>& bearings() const { return bearings_; }
+  [[nodiscard]] const std::vector<Contact>& contacts() const { return contacts_; }
+
+  /// Index of the bearing in whose sector a direction in base lies; nothing outside of the view.
+  [[nodiscard]] std::optional<std::size_t> bearingAt(double angle) const;
+  /// Whether the floor at a place was seen as floor; nothing where this view did not look.
+  [[nodiscard]] std::optional<bool> floorAt(const Eigen::Vector2d& p_odom) const;
+
+ private:
+  GroundView ground_;
+  SE2 T_base_odom_;
+  double max_range_ = 0.0;
+  double middle_ = 0.0;          // angle of the middle bearing: offsets from it do not wrap
+  std::vector<double> offsets_;  // of the bearings, from left to right: falling
+  std::vector<Bearing> bearings_;
+  std::vector<Contact> contacts_;
+};
+
+/// Holds what was seen while the robot shows nothing new: the last contacts and free floor, moved
+/// into the present view, with growing age. The scene is taken to be static for that long.
+///
+/// Of several frames that looked at a place the newest decides: a contact stays as long as no newer
+/// frame saw floor there, and floor is free along a bearing as far as all of it was seen free.
+class ContactMemory {
+ public:
+  explicit ContactMemory(const MemoryParameters& parameters = {})
+      : parameters_(parameters), confirmation_(parameters) {}
+
+  /// Clock or odometry jumped, or another camera.
+  void clear();
+  /// After a detector's frame. Used: confirms the answer where the filter is on, and remembers it.
+  /// Nothing new: fills `obstacles` with what still holds, its age and its contacts' ages above 0.
+  /// Returns whether `obstacles` says something.
+  bool follow(const Frame& frame, FrameStatus status, Obstacles& obstacles);
+
+ private:
+  static constexpr int capacity = 8;  // views
+
+  [[nodiscard]] const RememberedView& view(int back) const;
+  void remember(const Obstacles& seen);
+  bool recall(const Frame& frame, Obstacles& obstacles) const;
+  [[nodiscard]] bool holds(int back, const Frame& frame, double seconds) const;
+  [[nodiscard]] bool isFree(const Frame& frame, const Eigen::Vector2d& p_base) const;
+  [[nodiscard]] Bearing floorAlong(const Frame& frame, const Bearing& now) const;
+  [[nodiscard]] bool blockedTowards(const Frame& frame, double angle) const;
+  [[nodiscard]] bool refuted(int back, const Eigen::Vector2d& p_odom) const;
+  void recallContacts(const Frame& frame, int back, Obstacles& obstacles) const;
+
+  MemoryParameters parameters_;
+  ContactConfirmation confirmation_;
+  std::array<RememberedView, capacity> views_;  // ring
+  int next_ = 0, known_ = 0;
+};
+
+}  // namespace ipm_mapping

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "ipm_mapping/geometry/se2.hpp"
+#include "ipm_mapping/sweep/calibration_state.hpp"
+#include "ipm_mapping/sweep/polar_grid.hpp"
+
+namespace ipm_mapping::sweep {
+
+/// Where the reference view sees a floor point of the current view, exactly, when the pose that
+/// both views were rectified with is off. A pixel's direction stays what the lens makes it; which
+/// floor point it is taken for depends on tilt and height, in both views:
+///   p = h n_xy / -n_z,  n = tilt * direction;   p_ref = R(theta) p + t;
+///   direction_ref = tilt^-1 sway^-1 (p_ref, -h),
+/// sway: how the robot's pitch and roll differ between the two, for it is not quite rigid.
+class FloorWarp {
+ public:
+  /// Columns of the derivatives.
+  enum : int { Pitch, Roll, Yaw, LogHeight, X, Y, Theta, SwayPitch, SwayRoll, count };
+  struct Position {
+    double row = 0.0, line = 0.0;  ///< in the reference's grid
+    Eigen::Vector3d n, v, g;  ///< current direction; floor point from the reference, true, grid
+  };
+  using Slopes = Eigen::Matrix<double, 2, count>;  ///< of row and line
+
+  /// `rectified_with`: the correction that the grid's pose has over the stated one already.
+  FloorWarp(const PolarGrid& grid, const StatedCamera& stated, const CalibrationVector& state,
+            const CalibrationVector& rectified_with, const SE2& motion,
+            const Eigen::Vector2d& sway = Eigen::Vector2d::Zero());
+
+  /// `direction` in base axes of the stated pose; false where it does not meet the floor.
+  bool operator()(const Eigen::Vector3d& direction, Position& position) const;
+  /// How a position moves with what is estimated.
+  [[nodiscard]] Slopes slopes(const Position& position) const;
+
+ private:
+  const PolarGrid& grid_;
+  Eigen::Matrix3d tilt_, turning_, axes_, grid_from_true_;
+  Eigen::Vector2d foot_;
+  double height_, c_, s_, tx_, ty_;
+};
+
+/// Direction of a grid position in base axes of the stated pose.
+[[nodiscard]] Eigen::Vector3d statedDirection(const PolarGrid& grid, const StatedCamera& stated,
+                                              const CalibrationVector& rectified_with, double row,
+                                              double line);
+
+}  // namespace ipm_mapping::sweep

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "ipm_mapping/obstacles.hpp"
+#include "ipm_mapping/parameters/sweep_parameters.hpp"
+
+namespace ipm_mapping::sweep {
+
+/// What of the floor that looks like floor may be called free. Plain parts of an obstacle look like
+/// floor too, so its neighbourhood decides:
+///  - beside a contact nothing farther is free (`free_halo` beams),
+///  - between two contacts closer together than `free_gap` nothing behind their line is free,
+///  - what stood in the way and has passed below the image still stands there (`near_memory`).
+/// A beam that sees no floor although both its neighbours do looks along a joint of the tiles: it
+/// is as free as they are.
+class FreeFloor {
+ public:
+  void configure(const SelectionParameters& parameters);
+  void reset() { remembered_.clear(); }
+
+  /// Limits the free bearings of a frame and remembers its contacts. `T_floor_base` is the pose of
+  /// the base by the floor's own motion; ranges count from the camera's foot; `near` of each
+  /// bearing has to be set.
+  void limit(const SE2& T_floor_base, Obstacles& obstacles);
+
+ private:
+  struct Remembered {
+    Eigen::Vector2d p_floor;
+    double stamp;
+  };
+  void fillSlits(std::vector<Bearing>& bearings) const;
+  void besideContacts(Obstacles& obstacles) const;
+  void betweenContacts(Obstacles& obstacles) const;
+  void belowTheView(const SE2& T_floor_base, Obstacles& obstacles);
+  void remember(const SE2& T_floor_base, const Obstacles& obstacles);
+
+  SelectionParameters parameters_;
+  std::vector<Remembered> remembered_;
+};
+
+}  // namespace ipm_mapping::sweep

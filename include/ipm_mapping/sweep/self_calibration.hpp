@@ -1,0 +1,88 @@
+#pragma once
+
+#include <vector>
+
+#include "ipm_mapping/calibration_report.hpp"
+#include "ipm_mapping/parameters/calibration_parameters.hpp"
+#include "ipm_mapping/sweep/floor_pair.hpp"
+#include "ipm_mapping/sweep/reference_ring.hpp"
+
+namespace ipm_mapping::sweep {
+
+/// Pitch, roll, heading and height of the camera, scale and heading drift of odometry, from how the
+/// floor moves between frames: an information filter over pairs of frames, a new one every
+/// `spacing` of way. The prior never fades, evidence does.
+///
+/// The floor shows the way only in camera heights. Either the stated height is right, and
+/// odometry's scale makes up for what is off, or, when that had to be more than `sd_scale`, the
+/// height is held to be wrong, and odometry is trusted to `sd_scale`. Frames are aligned without
+/// that judgement.
+class SelfCalibration {
+ public:
+  SelfCalibration(const CalibrationParameters& parameters, const MotionRefinementParameters& noise)
+      : parameters_(parameters), noise_(noise) {}
+
+  /// A new stated pose: forgets everything.
+  void setCamera(const CameraPose& T_base_camera);
+  /// How frames are rectified from now on: with corrected(stated pose, rectified_with). What was
+  /// learnt stays.
+  void configure(const PolarGrid& grid, const std::vector<RowRange>& rows,
+                 const CalibrationVector& rectified_with);
+  /// Poses or clock jumped: what was learnt stays.
+  void reset() { seen_any_ = false; }
+
+  /// Compares the frame with an earlier one where the robot has driven far enough; true if
+  /// something was learnt.
+  bool offer(const RectifiedFrame& current, const ReferenceRing& ring);
+
+  [[nodiscard]] const CalibrationVector& state() const { return state_; }
+  [[nodiscard]] const CalibrationMatrix& covariance() const { return covariance_; }
+  [[nodiscard]] double sigma(int index) const { return std::sqrt(covariance_(index, index)); }
+  /// Of height over odometry's way, relative.
+  [[nodiscard]] double ratioSigma() const;
+  [[nodiscard]] int pairs() const { return pairs_; }
+  /// Enough pairs, and no farther from the stated pose than the bounds allow.
+  [[nodiscard]] bool believable() const;
+  [[nodiscard]] bool confident() const;
+  /// The estimate is worth working with instead of the one in force.
+  [[nodiscard]] bool worthApplying() const;
+  /// The correction that frames are rectified with.
+  [[nodiscard]] const CalibrationVector& inForce() const { return rectified_with_; }
+  /// Beside the stated pose.
+  [[nodiscard]] CalibrationReport report() const;
+
+  /// What the last pair said.
+  [[nodiscard]] const PairEvidence& lastPair() const { return evidence_; }
+  /// The other frame of that pair; valid until the ring takes the next frame.
+  [[nodiscard]] const RectifiedFrame* lastReference() const { return reference_; }
+  [[nodiscard]] FloorPair& floor() { return pair_; }
+
+ private:
+  [[nodiscard]] double baseline() const;
+  [[nodiscard]] bool bounded() const;
+  [[nodiscard]] bool due(const SE2& T_odom_base) const;
+  [[nodiscard]] CalibrationInformation known() const;
+  [[nodiscard]] bool heightIsWrong(const CalibrationInformation& known) const;
+  void compare(const FramePair& pair);
+  void learn();
+  void forget();
+
+  CalibrationParameters parameters_;
+  MotionRefinementParameters noise_;
+  CameraPose T_base_camera_ = CameraPose::Identity();
+  StatedCamera stated_;
+  FloorPair pair_;
+  CalibrationVector rectified_with_ = CalibrationVector::Zero();
+  CalibrationInformation prior_, prior_right_height_, learnt_;
+  bool wrong_height_ = false;
+  CalibrationVector aligned_ = CalibrationVector::Zero();  ///< without judging the height
+  CalibrationVector state_ = CalibrationVector::Zero();
+  CalibrationMatrix covariance_ = CalibrationMatrix::Identity();
+  int pairs_ = 0, refused_ = 0;
+  PairEvidence evidence_;
+  const RectifiedFrame* reference_ = nullptr;
+  SE2 last_pair_;
+  bool seen_any_ = false;
+};
+
+}  // namespace ipm_mapping::sweep

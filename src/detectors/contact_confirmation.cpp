@@ -1,0 +1,41 @@
+#include "ipm_mapping/detectors/contact_confirmation.hpp"
+
+#include <algorithm>
+
+namespace ipm_mapping {
+
+ContactConfirmation::ContactConfirmation(const MemoryParameters& parameters)
+    : parameters_(parameters), frames_(static_cast<std::size_t>(parameters.confirm_of)) {}
+
+bool ContactConfirmation::confirmed(const Eigen::Vector2d& p_odom) const {
+  const double radius2 = parameters_.confirm_radius * parameters_.confirm_radius;
+  const auto shows_it = [&](const Points& frame) {
+    return std::any_of(frame.begin(), frame.end(), [&](const Eigen::Vector2d& p) {
+      return (p - p_odom).squaredNorm() <= radius2;
+    });
+  };
+  const auto end = frames_.begin() + static_cast<std::ptrdiff_t>(known_);
+  return std::count_if(frames_.begin(), end, shows_it) >= parameters_.confirm_frames;
+}
+
+void ContactConfirmation::apply(Obstacles& obstacles) {
+  if (!parameters_.filter) return;
+  Points& seen = frames_[next_];
+  next_ = (next_ + 1) % frames_.size();
+  known_ = std::min(known_ + 1, frames_.size());
+  seen.clear();
+  seen.reserve(obstacles.bearings.size());
+  for (const Contact& contact : obstacles.contacts)
+    seen.push_back(obstacles.view.T_odom_base * contact.p_base.cast<double>());
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < obstacles.contacts.size(); ++i) {
+    const Contact& contact = obstacles.contacts[i];
+    if (confirmed(seen[i]))
+      obstacles.contacts[kept++] = contact;
+    else
+      obstacles.bearings[static_cast<std::size_t>(contact.bearing)].state = BearingState::Unknown;
+  }
+  obstacles.contacts.resize(kept);
+}
+
+}  // namespace ipm_mapping

@@ -1,0 +1,34 @@
+#include "ipm_mapping/ros/calibration_diagnostics.hpp"
+
+#include <cmath>
+
+namespace ipm_mapping {
+namespace {
+
+constexpr double degrees = 180.0 / M_PI;
+
+void show(StageMonitor& monitor, const std::string& name, const CalibrationReport::Value& value,
+          double unit, double zero = 0.0) {
+  monitor.set("calibration_" + name, unit * (value.estimate - zero));
+  monitor.set("calibration_" + name + "_sigma", unit * value.sigma);
+}
+
+}  // namespace
+
+void showCalibration(const CalibrationReport& r, StageMonitor& monitor) {
+  monitor.set("calibration_pairs", r.pairs);
+  monitor.set("calibration_applied", r.applied ? 1.0 : 0.0);
+  monitor.set("calibration_pitch_deg_stated", degrees * r.pitch.stated);
+  monitor.set("calibration_height_m_stated", r.height.stated);
+  show(monitor, "pitch_deg", r.pitch, degrees);
+  show(monitor, "roll_deg", r.roll, degrees);
+  show(monitor, "yaw_deg", r.yaw, degrees);
+  show(monitor, "height_m", r.height, 1.0);
+  show(monitor, "odometry_scale_percent", r.scale, 100.0, 1.0);
+  show(monitor, "odometry_turn_percent", r.turn_scale, 100.0, 1.0);
+  show(monitor, "odometry_yaw_rate_deg_s", r.yaw_rate, degrees);
+  const bool off = r.pitch_off || r.roll_off || r.height_off;
+  monitor.setConcern(off && !r.applied ? advice(r) : std::string());
+}
+
+}  // namespace ipm_mapping

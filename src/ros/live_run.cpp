@@ -1,0 +1,73 @@
+#include "ipm_mapping/ros/live_run.hpp"
+
+#include <ros/ros.h>
+
+#include "ipm_mapping/ros/frame_source.hpp"
+#include "ipm_mapping/ros/sentence.hpp"
+
+namespace ipm_mapping {
+namespace {
+
+std::string orElse(const std::string& given, const std::string& usual) {
+  return given.empty() ? usual : given;
+}
+
+/// The names that FrameSource subscribes to, led to the robot's topics.
+ros::M_string remappings(const BagTopics& topics) {
+  const std::string image = orElse(topics.image, "/camera/rgb/image_raw");
+  const std::string beside = image.substr(0, image.rfind('/') + 1) + "camera_info";
+  return {{"image_raw", image},
+          {"camera_info", orElse(topics.camera_info, beside)},
+          {"odom", orElse(topics.odometry, "/odom")}};
+}
+
+Parameters withOptions(const OfflineOptions& options) {
+  Parameters parameters = options.parameters;
+  CameraParameters& camera = parameters.camera;
+  if (!options.calibration_file.empty()) camera.calibration_file = options.calibration_file;
+  if (options.camera_pose) {
+    const auto& [x, y, z, pitch] = *options.camera_pose;
+    camera.x = x;
+    camera.y = y;
+    camera.z = z;
+    camera.pitch = pitch;
+    camera.yaw = camera.roll = 0.0;
+    camera.pose_from_tf = false;
+  }
+  return parameters;
+}
+
+}  // namespace
+
+void runLive(const std::string& node_name, const OfflineOptions& options, const LiveOptions& live,
+             Detector& detector) {
+  ros::init(remappings(options.topics), node_name, ros::init_options::AnonymousName);
+  if (!ros::master::check())
+    throw BagError("no ROS master answers at " + ros::master::getURI() + "; start the robot first");
+  ros::NodeHandle node, private_node("~");
+  private_node.setParam("image_transport", live.image_transport);
+  StageMonitor monitor(node, private_node, node_name);
+  Obstacles obstacles;
+  int frames = 0;
+  FrameSource source(node, private_node, withOptions(options), monitor,
+                     {[&](const CameraModel& camera, const CameraPose& T_base_camera) {
+                        detector.setCamera(camera, T_base_camera);
+                      },
+                      [&] { detector.reset(); },
+                      [&](const Frame& frame, const FrameInfo&) {
+                        ++frames;
+                        return detector.process(frame, obstacles);
+                      }});
+  source.start();
+  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(live.seconds);
+  while (ros::ok() && ros::WallTime::now() < end)
+    ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.05));
+  source.stop();
+  if (frames == 0)
+    throw BagError(sentence("no frame came through in ", live.seconds, " s (",
+                            monitor.counter("received"),
+                            " images received): see what was said above, and --image-topic, "
+                            "--odom-topic, --camera-pose"));
+}
+
+}  // namespace ipm_mapping

@@ -1,0 +1,121 @@
+#include "ipm_mapping/sweep/free_floor.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ipm_mapping::sweep {
+namespace {
+
+constexpr std::size_t most_remembered = 512;
+constexpr double least_height = 0.05;  // metres: the floor is seen over lower things
+constexpr double seen_again = 1.05;    // of the near end of the view
+constexpr double flicker = 1.0;        // seconds for which a contact in view may go unseen
+
+double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+Eigen::Vector2d fromFoot(const Obstacles& obstacles, const Contact& contact) {
+  return contact.p_base.cast<double>() - obstacles.view.cameraFoot();
+}
+
+/// Index of the bearing next to an angle; -1 outside the view.
+int bearingAt(const std::vector<Bearing>& bearings, double angle) {
+  if (bearings.size() < 2) return -1;
+  const double first = bearings.front().angle, step = bearings[1].angle - first;
+  const double i = wrapAngle(angle - first) / step;
+  if (i < -0.5 || i > static_cast<double>(bearings.size()) - 0.5) return -1;
+  return static_cast<int>(std::lround(i));
+}
+
+void shorten(Bearing& bearing, double range) {
+  if (bearing.state == BearingState::Free)
+    bearing.range = std::min(bearing.range, static_cast<float>(range));
+}
+
+}  // namespace
+
+void FreeFloor::configure(const SelectionParameters& parameters) {
+  parameters_ = parameters;
+  remembered_.clear();
+  remembered_.reserve(most_remembered);
+}
+
+void FreeFloor::fillSlits(std::vector<Bearing>& bearings) const {
+  for (std::size_t i = 1; i + 1 < bearings.size(); ++i) {
+    const Bearing &left = bearings[i - 1], &right = bearings[i + 1];
+    if (bearings[i].state != BearingState::Unknown || left.state != BearingState::Free ||
+        right.state != BearingState::Free)
+      continue;
+    bearings[i].state = BearingState::Free;
+    bearings[i].range = std::min(left.range, right.range);
+  }
+}
+
+void FreeFloor::besideContacts(Obstacles& obstacles) const {
+  const int count = static_cast<int>(obstacles.bearings.size());
+  for (const Contact& contact : obstacles.contacts) {
+    const float range = obstacles.bearings[static_cast<std::size_t>(contact.bearing)].range;
+    const int first = std::max(0, contact.bearing - parameters_.free_halo);
+    const int last = std::min(count - 1, contact.bearing + parameters_.free_halo);
+    for (int i = first; i <= last; ++i)
+      shorten(obstacles.bearings[static_cast<std::size_t>(i)], range);
+  }
+}
+
+void FreeFloor::betweenContacts(Obstacles& obstacles) const {
+  for (std::size_t k = 1; k < obstacles.contacts.size(); ++k) {
+    const Contact &a = obstacles.contacts[k - 1], &b = obstacles.contacts[k];
+    const Eigen::Vector2d p = fromFoot(obstacles, a), q = fromFoot(obstacles, b);
+    if (!((q - p).norm() < parameters_.free_gap)) continue;
+    for (int i = a.bearing + 1; i < b.bearing; ++i) {
+      Bearing& bearing = obstacles.bearings[static_cast<std::size_t>(i)];
+      const Eigen::Vector2d ray(std::cos(bearing.angle), std::sin(bearing.angle));
+      const double along = cross(ray, q - p);  // where the ray meets the line from p to q
+      if (std::abs(along) > 1e-9) shorten(bearing, cross(p, q - p) / along);
+    }
+  }
+}
+
+/// What is remembered in front of the view's near end hides the floor behind it.
+void FreeFloor::belowTheView(const SE2& T_floor_base, Obstacles& obstacles) {
+  const SE2 T_base_floor = T_floor_base.inverse();
+  const Eigen::Vector2d foot = obstacles.view.cameraFoot();
+  const auto gone = [&](const Remembered& point) {
+    const double age = obstacles.view.stamp - point.stamp;
+    if (age > parameters_.near_memory) return true;
+    const Eigen::Vector2d p = T_base_floor * point.p_floor - foot;
+    const int i = bearingAt(obstacles.bearings, std::atan2(p.y(), p.x()));
+    if (i < 0) return false;
+    Bearing& bearing = obstacles.bearings[static_cast<std::size_t>(i)];
+    if (p.norm() > seen_again * bearing.near) return age > flicker;
+    if (bearing.state == BearingState::Free || bearing.state == BearingState::Unknown) {
+      bearing.state = BearingState::Blocked;
+      bearing.range = 0.0F;
+    }
+    return false;
+  };
+  remembered_.erase(std::remove_if(remembered_.begin(), remembered_.end(), gone),
+                    remembered_.end());
+}
+
+void FreeFloor::remember(const SE2& T_floor_base, const Obstacles& obstacles) {
+  for (const Contact& contact : obstacles.contacts) {
+    const Bearing& bearing = obstacles.bearings[static_cast<std::size_t>(contact.bearing)];
+    if (contact.height < least_height || bearing.range > 2.0F * bearing.near) continue;
+    if (remembered_.size() == most_remembered) remembered_.erase(remembered_.begin());
+    remembered_.push_back(
+        {T_floor_base * Eigen::Vector2d(contact.p_base.cast<double>()), obstacles.view.stamp});
+  }
+}
+
+void FreeFloor::limit(const SE2& T_floor_base, Obstacles& obstacles) {
+  fillSlits(obstacles.bearings);
+  besideContacts(obstacles);
+  betweenContacts(obstacles);
+  if (parameters_.near_memory <= 0.0) return;
+  belowTheView(T_floor_base, obstacles);
+  remember(T_floor_base, obstacles);
+}
+
+}  // namespace ipm_mapping::sweep

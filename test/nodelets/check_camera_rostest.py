@@ -1,0 +1,46 @@
+#!/usr/bin/python3
+"""check_camera on live topics: the same answer as from a bag, in bounded time."""
+
+import math
+import os
+import re
+import subprocess
+import tempfile
+import time
+import unittest
+
+import rospy
+
+COMMAND = ["rosrun", "ipm_mapping", "check_camera", "--live"]
+TOPICS = ["--image-topic", "/robot/image_raw", "--odom-topic", "/robot/odom"]
+
+
+class LiveCheck(unittest.TestCase):
+    def test_finds_the_pitch_of_the_driving_robot(self):
+        with tempfile.TemporaryDirectory() as out:
+            command = COMMAND + TOPICS + ["--seconds", "25", "--out", out,
+                                          "--camera-pose", "0.05,0,0.45,0.4375"]
+            check = subprocess.Popen(command, stdout=subprocess.PIPE, universal_newlines=True)
+            rospy.set_param("/listening", True)
+            text, _ = check.communicate(timeout=120)
+            self.assertEqual(check.returncode, 0, text)
+            pitch = float(re.search(r"^pitch_deg: ([\d.]+)", text, re.MULTILINE).group(1))
+            self.assertAlmostEqual(pitch, math.degrees(0.42), delta=0.3, msg=text)
+            height = float(re.search(r"^height_m: ([\d.]+)", text, re.MULTILINE).group(1))
+            self.assertAlmostEqual(height, 0.45, delta=0.01, msg=text)
+            self.assertTrue(os.path.exists(os.path.join(out, "camera_check.png")))
+
+    def test_a_silent_robot_ends_in_time_with_one_line(self):
+        start = time.monotonic()
+        result = subprocess.run(COMMAND + ["--seconds", "2", "--image-topic", "/nobody/image"],
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                universal_newlines=True, timeout=60)
+        self.assertEqual(result.returncode, 3)
+        self.assertIn("no frame came", result.stderr)
+        self.assertLess(time.monotonic() - start, 40.0)
+
+
+if __name__ == "__main__":
+    import rostest
+    rospy.init_node("check_camera_rostest")
+    rostest.rosrun("ipm_mapping", "check_camera_rostest", LiveCheck)

@@ -1,0 +1,196 @@
+// A robot that drives, with wheels that count too much, and then stands: what it saw stays on the
+// topics and ages, the map stays as it is, and odom_refined knows better than the wheels.
+
+#include <gtest/gtest.h>
+#include <sensor_msgs/point_cloud2_iterator.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "chain_client.hpp"
+#include "ipm_mapping/ros/poses.hpp"
+
+namespace ipm_mapping {
+namespace {
+
+constexpr double wheel_scale = 1.04;
+constexpr int driving = 16, standing = 15;  // frames
+
+class Standing : public testing::Test {
+ protected:
+  /// The whole sequence once; the tests look at what came out.
+  static void SetUpTestSuite() {
+    node = std::make_unique<ros::NodeHandle>();
+    obstacles = std::make_unique<Collected<ObstacleArray>>(*node, "/camera/obstacles");
+    scans = std::make_unique<Collected<sensor_msgs::LaserScan>>(*node, "/camera/scan");
+    contacts = std::make_unique<Collected<sensor_msgs::PointCloud2>>(*node, "/camera/contacts");
+    maps = std::make_unique<Collected<nav_msgs::OccupancyGrid>>(*node, "/camera/map");
+    updates =
+        std::make_unique<Collected<map_msgs::OccupancyGridUpdate>>(*node, "/camera/map_updates");
+    refined = std::make_unique<Collected<nav_msgs::Odometry>>(*node, "/camera/odom_refined");
+    diagnostics = std::make_unique<Diagnostics>(*node);
+    topics = std::make_unique<RobotTopics>(*node);
+    topics->tellTf();
+    ASSERT_TRUE(waitFor([] { return maps->size() > 0; }));
+    ASSERT_TRUE(topics->waitForListeners());
+    for (int i = 0; i < driving + standing; ++i) {
+      const double t = topics->robot.frameTime(i);
+      topics->sendInfo(t);
+      topics->sendImage(topics->robot.image(topics->stamp(t), truth(i)));
+      for (int k = 0; k < 5; ++k) sendWheels(i, k);
+      ros::spinOnce();
+    }
+    sendWheels(driving + standing, 0);
+    ASSERT_TRUE(waitFor([] { return refined->size() == driving + standing; }));
+    ASSERT_TRUE(waitFor([] {
+      return !obstacles->all.empty() && frameOf(obstacles->last()) == driving + standing - 1;
+    }));
+    waitFor([] { return scans->size() == obstacles->size() && contacts->size() == scans->size(); });
+  }
+  static void TearDownTestSuite() {
+    obstacles.reset(), scans.reset(), contacts.reset(), maps.reset(), updates.reset();
+    refined.reset(), diagnostics.reset(), topics.reset(), node.reset();
+  }
+
+  static int frameOf(const ObstacleArray& answer) { return static_cast<int>(answer.frame); }
+  /// From frame `driving` - 1 on the robot stands.
+  static SE2 truth(int frame, double later = 0.0) {
+    const double last = topics->robot.frameTime(driving - 1);
+    return topics->robot.pose(std::min(topics->robot.frameTime(frame) + later, last));
+  }
+  static void sendWheels(int frame, int k) {
+    const double later = k * topics->robot.odometry_period;
+    SE2 pose = truth(frame, later);
+    pose.x *= wheel_scale;
+    pose.y *= wheel_scale;
+    topics->sendOdometry(
+        topics->robot.odometry(topics->stamp(topics->robot.frameTime(frame) + later), pose));
+  }
+  static std::vector<const ObstacleArray*> answers(bool remembered) {
+    std::vector<const ObstacleArray*> chosen;
+    for (const auto& each : obstacles->all)
+      if ((each->age > 0.0F) == remembered) chosen.push_back(each.get());
+    return chosen;
+  }
+
+  static std::unique_ptr<ros::NodeHandle> node;
+  static std::unique_ptr<Collected<ObstacleArray>> obstacles;
+  static std::unique_ptr<Collected<sensor_msgs::LaserScan>> scans;
+  static std::unique_ptr<Collected<sensor_msgs::PointCloud2>> contacts;
+  static std::unique_ptr<Collected<nav_msgs::OccupancyGrid>> maps;
+  static std::unique_ptr<Collected<map_msgs::OccupancyGridUpdate>> updates;
+  static std::unique_ptr<Collected<nav_msgs::Odometry>> refined;
+  static std::unique_ptr<Diagnostics> diagnostics;
+  static std::unique_ptr<RobotTopics> topics;
+};
+std::unique_ptr<ros::NodeHandle> Standing::node;
+std::unique_ptr<Collected<ObstacleArray>> Standing::obstacles;
+std::unique_ptr<Collected<sensor_msgs::LaserScan>> Standing::scans;
+std::unique_ptr<Collected<sensor_msgs::PointCloud2>> Standing::contacts;
+std::unique_ptr<Collected<nav_msgs::OccupancyGrid>> Standing::maps;
+std::unique_ptr<Collected<map_msgs::OccupancyGridUpdate>> Standing::updates;
+std::unique_ptr<Collected<nav_msgs::Odometry>> Standing::refined;
+std::unique_ptr<Diagnostics> Standing::diagnostics;
+std::unique_ptr<RobotTopics> Standing::topics;
+
+TEST_F(Standing, EveryStandingFrameTellsWhatTheLastOneSawWithGrowingAge) {
+  const auto fresh = answers(false), held = answers(true);
+  ASSERT_GT(fresh.size(), 8U);
+  ASSERT_EQ(held.size(), std::size_t{standing});
+  const ObstacleArray& last = *fresh.back();
+  ASSERT_FALSE(last.contacts.empty()) << "the drive has to end in front of something";
+  float age = 0.0F;
+  for (const ObstacleArray* answer : held) {
+    EXPECT_GT(answer->age, age);
+    age = answer->age;
+    EXPECT_NEAR(age, (answer->header.stamp - last.header.stamp).toSec(), 1e-3);
+    ASSERT_GE(answer->contacts.size(), last.contacts.size());
+    for (const ObstacleContact& contact : answer->contacts) EXPECT_GE(contact.age, age - 1e-3F);
+    for (const ObstacleContact& seen : last.contacts)
+      EXPECT_TRUE(std::any_of(answer->contacts.begin(), answer->contacts.end(),
+                              [&](const ObstacleContact& c) {
+                                return std::hypot(c.x - seen.x, c.y - seen.y) < 1e-3F;
+                              }));
+  }
+  for (const ObstacleArray* answer : fresh)
+    for (const ObstacleContact& contact : answer->contacts) EXPECT_EQ(contact.age, 0.0F);
+}
+
+TEST_F(Standing, ScanAndContactsDoNotGoEmpty) {
+  ASSERT_EQ(scans->size(), obstacles->size());
+  ASSERT_EQ(contacts->size(), obstacles->size());
+  for (std::size_t i = 0; i < obstacles->size(); ++i) {
+    const ObstacleArray& answer = *obstacles->all[i];
+    EXPECT_EQ(contacts->all[i]->width, answer.contacts.size());
+    if (!(answer.age > 0.0F)) continue;
+    const auto& ranges = scans->all[i]->ranges;
+    EXPECT_GT(std::count_if(ranges.begin(), ranges.end(), [](float r) { return std::isfinite(r); }),
+              0);
+  }
+}
+
+TEST_F(Standing, IsNotCountedAsUsed) {
+  const double used = static_cast<double>(answers(false).size());
+  EXPECT_TRUE(diagnostics->waitFor("detector", "skipped_no_motion", standing));
+  EXPECT_TRUE(diagnostics->waitFor("detector", "used", used));
+  EXPECT_TRUE(diagnostics->waitFor("mapper", "skipped_remembered", standing));
+  EXPECT_TRUE(diagnostics->waitFor("mapper", "used", used));
+}
+
+TEST_F(Standing, TheMapEndsWithTheDrive) {
+  const ros::Time end = answers(false).back()->header.stamp;
+  ASSERT_TRUE(waitFor([&] { return maps->last().header.stamp == end; }));
+  const auto cells = maps->last().data;
+  EXPECT_GT(std::count(cells.begin(), cells.end(), 0), 100) << "the drive has to show something";
+  waitFor([] { return false; }, 1.5);  // longer than full_map_period
+  EXPECT_EQ(maps->last().data, cells);
+  // The first map, of before the drive, is stamped with the time of its making.
+  for (std::size_t i = 1; i < maps->size(); ++i) EXPECT_LE(maps->all[i]->header.stamp, end);
+  for (const auto& update : updates->all) EXPECT_LE(update->header.stamp, end);
+}
+
+TEST_F(Standing, OdomRefinedIsNearerToTheTruthThanTheWheels) {
+  const SE2 there = truth(driving), got = toSE2(refined->last().pose.pose);
+  const double wheels = (wheel_scale - 1.0) * there.distance();
+  ASSERT_GT(wheels, 0.025);
+  EXPECT_LT(std::hypot(got.x - there.x, got.y - there.y), 0.4 * wheels);
+  EXPECT_NEAR(got.theta, there.theta, 0.01);
+  const nav_msgs::Odometry& moving = *refined->all[driving - 5];
+  EXPECT_NEAR(moving.twist.twist.linear.x, 0.53, 0.02) << "wheels: " << 0.53 * wheel_scale;
+  EXPECT_NEAR(refined->last().twist.twist.linear.x, 0.0, 1e-3);
+}
+
+TEST_F(Standing, OdomRefinedHasFramesStampsAndACovarianceThatHoldsTheError) {
+  ASSERT_EQ(refined->size(), std::size_t{driving + standing});
+  using Full = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
+  double before = 0.0;
+  for (std::size_t i = 0; i < refined->size(); ++i) {
+    const nav_msgs::Odometry& message = *refined->all[i];
+    EXPECT_EQ(message.header.frame_id, topics->robot.odom_frame);
+    EXPECT_EQ(message.child_frame_id, topics->robot.base_frame);
+    EXPECT_NEAR(message.header.stamp.toSec(),
+                topics->stamp(topics->robot.frameTime(static_cast<int>(i))), 1e-6);
+    const Eigen::Map<const Full> covariance(message.pose.covariance.data());
+    EXPECT_GT(covariance.determinant(), 0.0);
+    const SE2 there = truth(static_cast<int>(i)), got = toSE2(message.pose.pose);
+    EXPECT_LT(std::abs(got.x - there.x), 4.0 * std::sqrt(covariance(0, 0))) << i;
+    EXPECT_LT(std::abs(got.y - there.y), 4.0 * std::sqrt(covariance(1, 1))) << i;
+    EXPECT_LT(covariance(0, 0), 0.05 * 0.05);
+    if (i >= driving) {
+      EXPECT_NEAR(covariance(0, 0), before, 1e-6) << "standing";
+    }
+    before = covariance(0, 0);
+  }
+}
+
+}  // namespace
+}  // namespace ipm_mapping
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "standing_rostest");
+  const ros::NodeHandle keep_alive;
+  return RUN_ALL_TESTS();
+}

@@ -1,0 +1,161 @@
+#include "ipm_mapping/sweep/free_floor.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace ipm_mapping::sweep {
+namespace {
+
+/// Twenty-one bearings of three degrees around the x axis, all free up to 2 m; the camera's foot is
+/// the base, the floor comes into view at 0.4 m.
+class Free : public ::testing::Test {
+ protected:
+  static constexpr int middle = 10;
+  static constexpr double step = 3.0 * M_PI / 180.0;
+
+  void SetUp() override {
+    parameters.free_halo = 1;
+    free_floor.configure(parameters);
+    newFrame(0.0);
+  }
+  void newFrame(double stamp) {
+    obstacles.clear();
+    obstacles.view.stamp = stamp;
+    obstacles.view.T_base_camera = cameraPose(0.0, 0.0, 0.45, 0.42);
+    for (int i = -middle; i <= middle; ++i)
+      obstacles.bearings.push_back(
+          {static_cast<float>(-i * step), 0.0F, 2.0F, 0.4F, BearingState::Free});
+  }
+  void contact(int bearing, double range, double height = 0.3) {
+    Bearing& b = at(bearing);
+    b.state = BearingState::Occupied;
+    b.range = static_cast<float>(range);
+    Contact c;
+    c.bearing = bearing;
+    c.p_base = Eigen::Vector2f(range * std::cos(b.angle), range * std::sin(b.angle));
+    c.height = static_cast<float>(height);
+    obstacles.contacts.push_back(c);
+  }
+  Bearing& at(int i) { return obstacles.bearings[static_cast<std::size_t>(i)]; }
+  void limit(const SE2& pose = {}) { free_floor.limit(pose, obstacles); }
+
+  SelectionParameters parameters;
+  FreeFloor free_floor;
+  Obstacles obstacles;
+};
+
+TEST_F(Free, WithoutContactsNothingChanges) {
+  limit();
+  for (const Bearing& b : obstacles.bearings) {
+    EXPECT_EQ(b.state, BearingState::Free);
+    EXPECT_EQ(b.range, 2.0F);
+  }
+}
+
+TEST_F(Free, BesideAContactNothingFartherIsFree) {
+  contact(middle, 1.0);
+  limit();
+  EXPECT_EQ(at(middle - 1).range, 1.0F);
+  EXPECT_EQ(at(middle + 1).range, 1.0F);
+  EXPECT_EQ(at(middle + 2).range, 2.0F);
+}
+
+TEST_F(Free, ANarrowGapIsClosedByTheLineBetweenItsContacts) {
+  contact(middle - 2, 1.0);
+  contact(middle + 2, 1.15);  // 0.27 m apart
+  limit();
+  const float between = at(middle).range;
+  EXPECT_GT(between, 1.0F);
+  EXPECT_LT(between, 1.15F);
+  // the middle ray is the x axis: there the line between the two points has y = 0
+  const Eigen::Vector2f p = obstacles.contacts[0].p_base, q = obstacles.contacts[1].p_base;
+  EXPECT_NEAR(between, p.x() + (q.x() - p.x()) * p.y() / (p.y() - q.y()), 1e-4);
+}
+
+TEST_F(Free, ADoorStaysOpen) {
+  contact(middle - 7, 1.0);
+  contact(middle + 7, 1.0);  // 0.72 m apart
+  limit();
+  for (int i = middle - 5; i <= middle + 5; ++i) EXPECT_EQ(at(i).range, 2.0F) << i;
+}
+
+TEST_F(Free, ASlitBetweenFreeBeamsIsFreeButNotASector) {
+  at(4).state = BearingState::Unknown;
+  at(4).range = 0.0F;
+  at(5).range = 1.5F;
+  at(12).state = at(13).state = BearingState::Unknown;
+  at(16).state = BearingState::Blocked;
+  limit();
+  EXPECT_EQ(at(4).state, BearingState::Free);
+  EXPECT_EQ(at(4).range, 1.5F);
+  EXPECT_EQ(at(12).state, BearingState::Unknown);
+  EXPECT_EQ(at(13).state, BearingState::Unknown);
+  EXPECT_EQ(at(16).state, BearingState::Blocked);
+}
+
+TEST_F(Free, WhatPassedBelowTheViewStillHidesTheFloor) {
+  contact(middle, 0.5);
+  limit();
+  newFrame(0.5);
+  limit({0.2, 0.0, 0.0});  // the contact is 0.3 m away now, the view begins at 0.4 m
+  EXPECT_EQ(at(middle).state, BearingState::Blocked);
+  EXPECT_EQ(at(middle + 4).state, BearingState::Free);
+}
+
+TEST_F(Free, ARobotThatTurnsKeepsItInItsDirection) {
+  contact(middle, 0.5);
+  limit();
+  newFrame(0.5);
+  limit({0.2, 0.0, 4 * step});  // turned left by four bearings: it lies four to the right
+  EXPECT_EQ(at(middle).state, BearingState::Free);
+  EXPECT_EQ(at(middle + 4).state, BearingState::Blocked);
+}
+
+TEST_F(Free, BackInViewTheViewDecides) {
+  contact(middle, 0.5);
+  limit();
+  newFrame(0.5);
+  limit({0.2, 0.0, 0.0});
+  newFrame(2.0);
+  limit({-0.2, 0.0, 0.0});  // 0.7 m away, and nothing is seen there
+  EXPECT_EQ(at(middle).state, BearingState::Free);
+  newFrame(2.5);
+  limit({0.2, 0.0, 0.0});
+  EXPECT_EQ(at(middle).state, BearingState::Free);
+}
+
+TEST_F(Free, MemoryEndsWithItsTimeAResetAndForLowThings) {
+  const SE2 nearer{0.2, 0.0, 0.0};
+  contact(middle, 0.5);
+  limit();
+  newFrame(parameters.near_memory + 1.0);
+  limit(nearer);
+  EXPECT_EQ(at(middle).state, BearingState::Free);
+
+  contact(middle, 0.5);
+  limit();
+  free_floor.reset();
+  newFrame(parameters.near_memory + 2.0);
+  limit(nearer);
+  EXPECT_EQ(at(middle).state, BearingState::Free);
+
+  contact(middle, 0.5, 0.02);  // the floor behind it is in view
+  limit();
+  newFrame(parameters.near_memory + 3.0);
+  limit(nearer);
+  EXPECT_EQ(at(middle).state, BearingState::Free);
+}
+
+TEST_F(Free, AContactIsNeverOverruled) {
+  contact(middle, 0.5);
+  limit();
+  newFrame(0.5);
+  contact(middle, 1.0);
+  limit({0.2, 0.0, 0.0});
+  EXPECT_EQ(at(middle).state, BearingState::Occupied);
+  EXPECT_EQ(at(middle).range, 1.0F);
+}
+
+}  // namespace
+}  // namespace ipm_mapping::sweep

@@ -1,0 +1,81 @@
+#!/usr/bin/python3
+"""What `roslaunch --ros-args` says about every launch file: each argument is explained, with unit and
+default, and only what a user has to give is called required.
+
+launch_arguments_test.py FOLDER_OF_LAUNCH_FILES
+"""
+
+import glob
+import os
+import re
+import subprocess
+import sys
+import unittest
+import xml.etree.ElementTree as ElementTree
+
+FOLDER = sys.argv.pop(1)
+REQUIRED = {"replay.launch": {"bag"}}
+UNIT = re.compile(r"\b(m|rad|seconds|times|grey levels)\b")
+
+
+def launch_files():
+    return sorted(glob.glob(os.path.join(FOLDER, "*.launch")))
+
+
+def arguments(path):
+    """Of the file itself: name -> attributes. Those with a value are made from others."""
+    found = [each.attrib for each in ElementTree.parse(path).getroot().findall("arg")]
+    return {each["name"]: each for each in found}
+
+
+def is_number(text):
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+class LaunchArguments(unittest.TestCase):
+    def test_there_are_launch_files(self):
+        self.assertGreaterEqual(len(launch_files()), 5)
+
+    def test_every_argument_is_explained_and_no_other(self):
+        for path in launch_files():
+            for name, attributes in arguments(path).items():
+                where = "%s: %s" % (os.path.basename(path), name)
+                doc = attributes.get("doc", "")
+                if "value" in attributes:  # roslaunch would call it required
+                    self.assertEqual(doc, "", where)
+                else:
+                    self.assertGreater(len(doc.split()), 2, where)
+
+    def test_numbers_have_a_unit(self):
+        for path in launch_files():
+            for name, attributes in arguments(path).items():
+                if is_number(attributes.get("default", "")):
+                    self.assertRegex(attributes["doc"], UNIT,
+                                     "%s: %s" % (os.path.basename(path), name))
+
+    def test_a_word_for_nothing_is_explained(self):
+        for path in launch_files():
+            for name, attributes in arguments(path).items():
+                for word in ("none", "auto", "true", "false"):
+                    if attributes.get("default") == word:
+                        self.assertIn(word if word in ("none", "auto") else "true",
+                                      attributes["doc"], "%s: %s" % (os.path.basename(path), name))
+
+    def test_roslaunch_lists_them_all(self):
+        for path in launch_files():
+            text = subprocess.run(["roslaunch", "--ros-args", path], check=True, timeout=60,
+                                  stdout=subprocess.PIPE, universal_newlines=True).stdout
+            required = text.partition("Optional Arguments:")[0]
+            listed = set(re.findall(r"^  (\w+)[: ]", text, re.MULTILINE))
+            own = {n for n, each in arguments(path).items() if "value" not in each}
+            self.assertEqual(listed, own, path)
+            self.assertEqual(set(re.findall(r"^  (\w+):", required, re.MULTILINE)),
+                             REQUIRED.get(os.path.basename(path), set()), path)
+
+
+if __name__ == "__main__":
+    unittest.main()
