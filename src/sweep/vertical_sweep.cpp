@@ -185,9 +185,15 @@ float VerticalSweep::scoreOf(const CurrentView& current, const SweepReference* r
   return static_cast<float>(climb.best) / static_cast<float>(kernels::cost_unit * count);
 }
 
-void VerticalSweep::aimBeam(const SweepReference* references, int count, int beam) {
+float VerticalSweep::offered(const SweepReference* references, int count, int beam, int candidate) {
+  count = std::min(count, max_references);
   bound(references, count, beam);
-  for (int q = 0; q < count; ++q)
+  return static_cast<float>(bound_[static_cast<std::size_t>(first_row_ + candidate)]) /
+         static_cast<float>(kernels::cost_unit * count);
+}
+
+void VerticalSweep::aimBeam(const SweepReference* references, int count, int beam) {
+  for (int q = 0; q < std::min(count, max_references); ++q)
     place(references[q].motion, beam, places_[static_cast<std::size_t>(q)]);
 }
 

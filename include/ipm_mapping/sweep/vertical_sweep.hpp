@@ -43,7 +43,9 @@ class VerticalSweep {
   void evaluate(const CurrentView& current, const SweepReference* references, int count,
                 float least_score, SweepScores& scores);
 
-  /// Prepares leaningScore() for the candidates of one beam.
+  /// Most that any surface standing at a candidate could score: all that the floor's cost offers.
+  float offered(const SweepReference* references, int count, int beam, int candidate);
+  /// Prepares leaningScore() for the candidates of one beam, of which offered() was asked last.
   void aimBeam(const SweepReference* references, int count, int beam);
   /// Score of a surface that stands on the floor at a candidate and leans away from the camera by
   /// `lean` metres per metre of height; less than `least_score` may be given as 0.
