@@ -63,7 +63,7 @@ float ambientShare(const Tracer& tracer, const Texel& texel) {
       setShadowRay(rays, static_cast<int>(k), texel.centre + kLift * texel.normal, along);
       rays.reach[static_cast<int>(k)] = kAmbientReach;
     }
-    open += kPacket - __builtin_popcount(tracer.blocked(rays));
+    open += kPacket - __builtin_popcount(tracer.blocked(rays, Tracer::Bundle::Spread));
   }
   return static_cast<float>(open) / static_cast<float>(directions.size());
 }
@@ -90,12 +90,18 @@ float lampShare(const Tracer& tracer, const LampSpec& lamp, const Texel& area, i
     setShadowRay(rays, k, origin, target - origin);
     rays.reach[k] = 0.999F;
   }
-  return 1.0F - static_cast<float>(__builtin_popcount(tracer.blocked(rays))) / kPacket;
+  return 1.0F -
+         static_cast<float>(__builtin_popcount(tracer.blocked(rays, Tracer::Bundle::Alike))) /
+             kPacket;
 }
 
 LightMap::LightMap(const Stage& stage, const std::vector<LampSpec>& lamps, const Patch* patch,
                    float texel)
-    : stage_(stage), lamps_(lamps), patch_(patch), texel_(texel) {
+    : stage_(stage),
+      lamps_(lamps),
+      patch_(patch),
+      texel_(texel),
+      channels_((lamps.size() + 4) / 4 * 4) {
   if (patch_ == nullptr) {
     if (!stage.extent().isEmpty()) {
       shaded_ = Eigen::AlignedBox2f(stage.extent().min().array() - kShadowReach,
@@ -193,8 +199,8 @@ void LightMap::markSteep(const std::vector<Baked>& baked, Tile& tile) const {
         bool mixed = false;
         for (const int corner : {0, 1, kStored, kStored + 1}) {
           const auto at = static_cast<std::size_t>(j * kStored + i + corner);
-          low = std::min(low, tile.shares[at * n + k]);
-          high = std::max(high, tile.shares[at * n + k]);
+          low = std::min(low, tile.shares[at * channels_ + k]);
+          high = std::max(high, tile.shares[at * channels_ + k]);
           const int row = j + 1 + corner / kStored, column = i + 1 + corner % kStored;
           mixed |= baked[static_cast<std::size_t>(row * kBaked + column)].mixed[k - 1];
         }
@@ -230,12 +236,12 @@ std::unique_ptr<LightMap::Tile> LightMap::bakeTile(int i, int j) const {
   const std::vector<Baked> baked = bakeSquares(i * kTile - 1, j * kTile - 1);
   const std::size_t n = lamps_.size() + 1;
   auto tile = std::make_unique<Tile>();
-  tile->shares.resize(static_cast<std::size_t>(kStored) * kStored * n);
+  tile->shares.resize(static_cast<std::size_t>(kStored) * kStored * channels_);
   tile->steep.resize(static_cast<std::size_t>(kTile) * kTile);
   for (int row = 0; row < kStored; ++row) {
     for (int column = 0; column < kStored; ++column) {
       const Baked& one = baked[static_cast<std::size_t>((row + 1) * kBaked + column + 1)];
-      float* shares = &tile->shares[static_cast<std::size_t>(row * kStored + column) * n];
+      float* shares = &tile->shares[static_cast<std::size_t>(row * kStored + column) * channels_];
       if (one.covered) {
         uncover(baked, column + 1, row + 1, shares);
       } else {
@@ -262,19 +268,22 @@ void LightMap::sampleAt(float x, float y, int lane, LightShares& out) {
   const int i = floorOf(x), j = floorOf(y);
   const float u = x - static_cast<float>(i), v = y - static_cast<float>(j);
   const Tile& from = tile(i >> 5, j >> 5);
-  const std::size_t n = lamps_.size() + 1;
   const int column = i & (kTile - 1), row = j & (kTile - 1);
-  const float* low = &from.shares[static_cast<std::size_t>(row * kStored + column) * n];
-  const float* high = low + kStored * n;
-  const auto share = [&](std::size_t k) {
-    const float bottom = low[k] + u * (low[n + k] - low[k]);
-    return bottom + v * (high[k] + u * (high[n + k] - high[k]) - bottom);
-  };
-  out.ambient[lane] = share(0);
+  const float* low = &from.shares[static_cast<std::size_t>(row * kStored + column) * channels_];
+  const float* high = low + kStored * channels_;
+  float shares[kMaxLamps + 4];
+  for (std::size_t first = 0; first < channels_; first += 4) {
+#pragma omp simd
+    for (std::size_t k = first; k < first + 4; ++k) {
+      const float bottom = low[k] + u * (low[channels_ + k] - low[k]);
+      shares[k] = bottom + v * (high[k] + u * (high[channels_ + k] - high[k]) - bottom);
+    }
+  }
+  out.ambient[lane] = shares[0];
   const unsigned steep = from.steep[static_cast<std::size_t>(row * kTile + column)];
-  for (std::size_t k = 1; k < n; ++k) {
-    out.lamp[k - 1][lane] = share(k);
-    out.steep[k - 1] |= (steep >> (k - 1) & 1U) << lane;
+  for (std::size_t k = 0; k < lamps_.size(); ++k) {
+    out.lamp[k][lane] = shares[k + 1];
+    out.steep[k] |= (steep >> k & 1U) << lane;
   }
 }
 

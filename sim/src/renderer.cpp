@@ -16,6 +16,21 @@ float sampleRow(int k) {
   return (static_cast<float>(rows[k]) + 0.5F) / kPacket - 0.5F;
 }
 
+/// The sixteen rays of a pixel whose middle one is given, seen from the k-th of them.
+SIM_LANES void spread(const PixelRay& middle, float column, float row, PixelRays& rays) {
+  const float x = middle.direction.x(), y = middle.direction.y(), z = middle.direction.z();
+  const float ax = middle.ddx.x(), ay = middle.ddx.y(), az = middle.ddx.z();
+  const float bx = middle.ddy.x(), by = middle.ddy.y(), bz = middle.ddy.z();
+  for (int k = 0; k < kPacket; ++k) rays.set(k, middle);
+#pragma omp simd
+  for (int k = 0; k < kPacket; ++k) {
+    const float du = sampleColumn(k) - column, dv = sampleRow(k) - row;
+    rays.direction.x[k] = x + du * ax + dv * bx;
+    rays.direction.y[k] = y + du * ay + dv * by;
+    rays.direction.z[k] = z + du * az + dv * bz;
+  }
+}
+
 /// The member whose place in the pixel is nearest to the members' mean.
 int middleOf(unsigned members) {
   float x = 0.0F, y = 0.0F;
@@ -51,11 +66,10 @@ Renderer::Renderer(const Scene& scene)
   views_.resize(static_cast<std::size_t>(lens_.height()));
 }
 
-PixelRay Renderer::rayOf(int u, int v, float du, float dv) const {
+PixelRay Renderer::rayOf(int u, int v) const {
   const Lens::Pixel& pixel = lens_.pixel(u, v);
   const View& view = views_[static_cast<std::size_t>(v)];
-  const Eigen::Vector2f at = pixel.at + du * pixel.dx + dv * pixel.dy;
-  return {view.origin, view.turn * Eigen::Vector3f(at.x(), at.y(), 1.0F),
+  return {view.origin, view.turn * Eigen::Vector3f(pixel.at.x(), pixel.at.y(), 1.0F),
           view.turn.leftCols<2>() * pixel.dx, view.turn.leftCols<2>() * pixel.dy};
 }
 
@@ -83,7 +97,7 @@ unsigned Renderer::setBlock(int u0, int v0, PixelRays& rays) const {
   for (int k = 0; k < kPacket; ++k) {
     const int u = u0 + k % kBlock, v = v0 + k / kBlock;
     if (u >= lens_.width() || v >= lens_.height() || !lens_.pixel(u, v).seen) continue;
-    rays.set(k, rayOf(u, v, 0.0F, 0.0F));
+    rays.set(k, rayOf(u, v));
     active |= 1U << k;
   }
   return active;
@@ -166,7 +180,7 @@ void Renderer::smoothEdges(std::vector<float>& radiance) {
 
 void Renderer::queuePixel(int u, int v) {
   PixelRays rays;
-  for (int k = 0; k < kPacket; ++k) rays.set(k, rayOf(u, v, sampleColumn(k), sampleRow(k)));
+  spread(rayOf(u, v), 0.0F, 0.0F, rays);
   Part whole;
   whole.share = 1.0F;
   whole.pixel = index(u, v);
@@ -178,13 +192,7 @@ void Renderer::queuePixel(int u, int v) {
 void Renderer::queueMirror(const Part& part, const PixelRay& mirror, float share) {
   PixelRays rays;
   const unsigned members = share > kFaintMirror ? part.members : 1U << part.middle;
-  forMembers(members, [&](int k) {
-    const float du = sampleColumn(k) - sampleColumn(part.middle);
-    const float dv = sampleRow(k) - sampleRow(part.middle);
-    PixelRay ray = mirror;
-    ray.direction += du * mirror.ddx + dv * mirror.ddy;
-    rays.set(k, ray);
-  });
+  spread(mirror, sampleColumn(part.middle), sampleRow(part.middle), rays);
   Part whole = part;
   whole.weight = share;
   queueParts(rays, members, whole, mirrored_parts_);

@@ -45,10 +45,10 @@ void fill(const RayPacket& rays, Packet& packet) {
   }
 }
 
-RTCIntersectContext coherentContext() {
+RTCIntersectContext contextFor(Tracer::Bundle bundle) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  if (bundle == Tracer::Bundle::Alike) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   return context;
 }
 
@@ -72,7 +72,7 @@ Tracer::~Tracer() {
 }
 
 void Tracer::nearest(const RayPacket& rays, unsigned active, HitPacket& hits) const {
-  RTCIntersectContext context = coherentContext();
+  RTCIntersectContext context = contextFor(Bundle::Alike);
   RTCRayHit16 packet;
   fill(rays, packet.ray);
   alignas(64) int valid[kPacket];
@@ -105,8 +105,8 @@ Hit Tracer::nearest(const Eigen::Vector3f& origin, const Eigen::Vector3f& direct
           ray.ray.tfar};
 }
 
-unsigned Tracer::blocked(const RayPacket& rays) const {
-  RTCIntersectContext context = coherentContext();
+unsigned Tracer::blocked(const RayPacket& rays, Bundle bundle) const {
+  RTCIntersectContext context = contextFor(bundle);
   RTCRay16 packet;
   fill(rays, packet);
   alignas(64) int valid[kPacket];

@@ -8,6 +8,7 @@
 
 #include <boost/make_shared.hpp>
 #include <cstdio>
+#include <ctime>
 #include <fstream>
 #include <iostream>
 #include <optional>
@@ -155,6 +156,7 @@ void run(const Options& options) {
   Recorder recorder(simulation, options.bag);
   std::vector<std::uint8_t> grey;
   const bool terminal = isatty(STDERR_FILENO) != 0;
+  const std::clock_t start = std::clock();
   for (int frame = 0; frame < frames; ++frame) {
     if (terminal) std::fprintf(stderr, "\rframe %d of %d", frame + 1, frames);
     if (!simulation.arrives(frame)) continue;
@@ -162,6 +164,8 @@ void run(const Options& options) {
     recorder.writeFrame(frame, std::move(grey));
   }
   if (terminal) std::fprintf(stderr, "\n");
+  const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+  std::printf("%d frames, %.1f a second of one core\n", frames, frames / std::max(seconds, 1e-6));
   recorder.writeOdometry(end + Drive::kLead);
   std::ofstream truth(options.truth);
   truth << truthJson(simulation, frames);

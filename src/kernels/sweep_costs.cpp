@@ -1,7 +1,6 @@
 #include "ipm_mapping/kernels/sweep_costs.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/sweep_costs.cpp"
@@ -35,23 +34,36 @@ void blockSums(const std::uint8_t* HWY_RESTRICT in, int blocks, std::int32_t* HW
   }
 }
 
-void noise(const std::uint8_t* HWY_RESTRICT left, const std::uint8_t* HWY_RESTRICT here,
-           const std::uint8_t* HWY_RESTRICT right, int stride, const float* HWY_RESTRICT along,
+/// Grey levels of a run of rows as floating point, in whole levels.
+template <class D>
+HWY_INLINE hn::Vec<D> greyLevel(D d, hn::Vec<hn::RebindToSigned<D>> fixed) {
+  return hn::Mul(hn::ConvertTo(d, fixed), hn::Set(d, 1.0F / grey_unit));
+}
+
+void noise(const NoiseNeighbours& grey, const float* HWY_RESTRICT along,
            const float* HWY_RESTRICT bend_along, const NoiseTerms& terms, int count,
            std::uint16_t* HWY_RESTRICT weight) {
-  const float dark = terms.dark, bright = terms.bright;
-  const float across = terms.across, bend_across = terms.bend_across;
-  for (int i = 0; i < count; ++i) {
-    const int j = 2 * i;
-    const int far = here[j - stride], near = here[j + stride], twice = 2 * here[j];
-    const auto dl = static_cast<float>(right[j] - left[j]);
-    const auto dr = static_cast<float>(near - far);
-    const float bend = bend_across * static_cast<float>(right[j] + left[j] - twice) +
-                       bend_along[i] * static_cast<float>(near + far - twice);
-    const float variance = dark + bright * static_cast<float>(here[j]) + across * (dl * dl) +
-                           along[i] * (dr * dr) + bend * bend;
-    weight[i] = static_cast<std::uint16_t>(
-        static_cast<std::int32_t>(32768.0F / std::sqrt(std::max(variance, 0.26F))));
+  const hn::ScalableTag<float> d;
+  const hn::RebindToSigned<decltype(d)> di;
+  const hn::Rebind<std::int16_t, decltype(d)> d16;
+  const hn::Rebind<std::uint16_t, decltype(d)> du16;
+  const auto load = [&](const std::int16_t* p) { return hn::PromoteTo(di, hn::LoadU(d16, p)); };
+  const auto square = [](auto x) { return hn::Mul(x, x); };
+  for (int i = 0; i < count; i += static_cast<int>(hn::Lanes(d))) {
+    const auto here = load(grey.here + i), left = load(grey.left + i), right = load(grey.right + i);
+    const auto far = load(grey.far + i), near = load(grey.near + i);
+    const auto twice = hn::Add(here, here);
+    const auto dl = greyLevel(d, hn::Sub(right, left)), dr = greyLevel(d, hn::Sub(near, far));
+    const auto bend = hn::Add(
+        hn::Mul(hn::Set(d, terms.bend_across), greyLevel(d, hn::Sub(hn::Add(right, left), twice))),
+        hn::Mul(hn::LoadU(d, bend_along + i), greyLevel(d, hn::Sub(hn::Add(near, far), twice))));
+    auto variance =
+        hn::Add(hn::Set(d, terms.dark), hn::Mul(hn::Set(d, terms.bright), greyLevel(d, here)));
+    variance = hn::Add(variance, hn::Mul(hn::Set(d, terms.across), square(dl)));
+    variance = hn::Add(variance, hn::Mul(hn::LoadU(d, along + i), square(dr)));
+    variance = hn::Max(hn::Add(variance, square(bend)), hn::Set(d, 0.26F));
+    const auto inverse = hn::Div(hn::Set(d, 32768.0F), hn::Sqrt(variance));
+    hn::StoreU(hn::DemoteTo(du16, hn::ConvertTo(di, inverse)), du16, weight + i);
   }
 }
 
@@ -116,6 +128,27 @@ void accumulate(const std::int16_t* HWY_RESTRICT residual, int sign, int count,
   }
 }
 
+void prefixes(const std::int32_t* HWY_RESTRICT values, int half, int count,
+              std::int32_t* HWY_RESTRICT prefix) {
+  std::fill_n(prefix, half + 1, 0);
+  std::int32_t* HWY_RESTRICT upTo = prefix + half + 1;
+  int i = 0;
+#if HWY_TARGET != HWY_SCALAR
+  const hn::FixedTag<std::int32_t, 4> d;
+  auto before = hn::Zero(d);
+  for (; i + 4 <= count; i += 4) {
+    auto sum = hn::LoadU(d, values + i);
+    sum = hn::Add(sum, hn::ShiftLeftLanes<1>(d, sum));
+    sum = hn::Add(sum, hn::ShiftLeftLanes<2>(d, sum));
+    sum = hn::Add(sum, before);
+    hn::StoreU(sum, d, upTo + i);
+    before = hn::Broadcast<3>(sum);
+  }
+#endif
+  for (; i < count; ++i) upTo[i] = upTo[i - 1] + values[i];
+  std::fill_n(upTo + count, half, upTo[count - 1]);
+}
+
 void windowed(const std::int32_t* HWY_RESTRICT sum_prefix,
               const std::int32_t* HWY_RESTRICT number_prefix, int half, int count,
               std::int16_t* HWY_RESTRICT mean) {
@@ -128,15 +161,18 @@ void windowed(const std::int32_t* HWY_RESTRICT sum_prefix,
   }
 }
 
+/// Rows are rounded up to whole vectors, which the spare ones do not change.
+constexpr int whole(int count) { return (count + 15) & ~15; }
+
 void evidenceRows(const std::uint16_t* HWY_RESTRICT floor,
                   const std::uint16_t* HWY_RESTRICT vertical,
                   const std::int32_t* HWY_RESTRICT weight, std::int32_t floor_cap,
                   std::int32_t prior, int count, std::int32_t* HWY_RESTRICT evidence) {
-  for (int i = 0; i < count; ++i) {
+  for (int i = 0; i < whole(count); ++i) {
     const std::int32_t f = floor[i];
     const std::int32_t gain =
         std::min(f, floor_cap) - static_cast<std::int32_t>(vertical[i]) - prior;
-    evidence[i] += f == no_cost ? 0 : (gain * weight[i]) >> 8;
+    evidence[i] += (f == no_cost) | (i >= count) ? 0 : (gain * weight[i]) >> 8;
   }
 }
 
@@ -198,6 +234,49 @@ void vertical(const VerticalPath& path, int count, std::uint16_t* HWY_RESTRICT c
   }
 }
 
+/// Evidence of rows begin ... end - 1 from all references.
+HWY_INLINE void blockEvidence(const EvidencePath* paths, int count, const EvidenceTerms& terms,
+                              int begin, int end, std::int32_t* HWY_RESTRICT evidence) {
+  std::uint16_t cost[evidence_block + overrun];
+  for (int i = 0; i < whole(end - begin); ++i) evidence[i] = 0;
+  for (const EvidencePath* p = paths; p != paths + count; ++p) {
+    const int first = std::max(begin, p->begin), rows = std::min(end, p->end) - first;
+    if (rows <= 0) continue;
+    VerticalPath path = p->vertical;
+    path.current += first;
+    path.weight += first;
+    path.upper += first;
+    path.lower += first;
+    vertical(path, rows, cost);
+    evidenceRows(p->floor + first, cost, terms.weight + first, terms.floor_cap, terms.prior, rows,
+                 evidence + (first - begin));
+  }
+}
+
+void climb(const EvidencePath* paths, int count, const EvidenceTerms& terms, int begin, int end,
+           int top, std::int32_t least, Climb& climb) {
+  std::int32_t evidence[evidence_block + overrun];
+  for (int last = end; last > begin && !climb.over; last -= evidence_block) {
+    const int first = std::max(begin, last - evidence_block);
+    blockEvidence(paths, count, terms, first, last, evidence);
+    std::int32_t total = 0, gains = 0;
+    for (int i = 0; i < whole(last - first); ++i) {
+      total += evidence[i];
+      gains += std::max(evidence[i], 0);
+    }
+    std::int32_t sum = climb.sum;
+    if (sum + gains > climb.best) {  // otherwise no row of the block is a new top
+      for (int i = last - first - 1; i >= 0; --i) {
+        sum += evidence[i];
+        if (sum > climb.best) climb.best = sum, climb.best_row = first + i;
+      }
+    }
+    climb.sum += total;
+    const std::int32_t reachable = climb.sum + terms.potential[first] - terms.potential[top];
+    climb.over = reachable <= climb.best || std::max(climb.best, reachable) < least;
+  }
+}
+
 }  // namespace ipm_mapping::kernels::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -209,11 +288,13 @@ HWY_EXPORT(noise);
 HWY_EXPORT(interpolate);
 HWY_EXPORT(path);
 HWY_EXPORT(accumulate);
+HWY_EXPORT(prefixes);
 HWY_EXPORT(windowed);
 HWY_EXPORT(floorSquares);
 HWY_EXPORT(evidenceRows);
 HWY_EXPORT(lower);
 HWY_EXPORT(vertical);
+HWY_EXPORT(climb);
 
 void splitRows(const std::uint8_t* line, std::int32_t gain, std::int32_t offset, int count,
                std::int16_t* even, std::int16_t* odd) {
@@ -224,11 +305,9 @@ void addBlockSums(const std::uint8_t* in, int blocks, std::int32_t* sums) {
   HWY_DYNAMIC_DISPATCH(blockSums)(in, blocks, sums);
 }
 
-void noiseWeights(const std::uint8_t* left, const std::uint8_t* here, const std::uint8_t* right,
-                  int stride, const float* along, const float* bend_along, const NoiseTerms& terms,
-                  int count, std::uint16_t* weight) {
-  HWY_DYNAMIC_DISPATCH(noise)
-  (left, here, right, stride, along, bend_along, terms, count, weight);
+void noiseWeights(const NoiseNeighbours& grey, const float* along, const float* bend_along,
+                  const NoiseTerms& terms, int count, std::uint16_t* weight) {
+  HWY_DYNAMIC_DISPATCH(noise)(grey, along, bend_along, terms, count, weight);
 }
 
 void interpolateNodes(const std::int32_t* nodes, int blocks, std::int32_t* out) {
@@ -245,6 +324,10 @@ void pathResidual(const std::uint8_t* reference, std::int32_t stride, const std:
 void accumulateResidual(const std::int16_t* residual, int sign, int count, std::int32_t* sum,
                         std::int32_t* number) {
   HWY_DYNAMIC_DISPATCH(accumulate)(residual, sign, count, sum, number);
+}
+
+void prefixSums(const std::int32_t* values, int half, int count, std::int32_t* prefix) {
+  HWY_DYNAMIC_DISPATCH(prefixes)(values, half, count, prefix);
 }
 
 void windowMean(const std::int32_t* sum_prefix, const std::int32_t* number_prefix, int half,
@@ -270,6 +353,11 @@ void accumulateFloorCost(const std::int16_t* residual, const std::int16_t* mean,
 
 void verticalCost(const VerticalPath& path, int count, std::uint16_t* cost) {
   HWY_DYNAMIC_DISPATCH(vertical)(path, count, cost);
+}
+
+void climbSupport(const EvidencePath* paths, int count, const EvidenceTerms& terms, int begin,
+                  int end, int top, std::int32_t least, Climb& state) {
+  HWY_DYNAMIC_DISPATCH(climb)(paths, count, terms, begin, end, top, least, state);
 }
 }  // namespace ipm_mapping::kernels
 #endif

@@ -103,17 +103,8 @@ void FloorCost::meanOf(int line) {
     kernels::accumulateResidual(residual_.row(entering), 1, rows, sum_.data(), number_.data());
   if (leaving >= 0)
     kernels::accumulateResidual(residual_.row(leaving), -1, rows, sum_.data(), number_.data());
-  const int last = rows + 2 * half_rows_ + 1;
-  std::int32_t sum = 0, number = 0;
-  for (int k = 0; k < last; ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    sum_prefix_[i] = sum;
-    number_prefix_[i] = number;
-    const int row = k - half_rows_;
-    if (row < 0 || row >= rows) continue;
-    sum += sum_[static_cast<std::size_t>(row)];
-    number += number_[static_cast<std::size_t>(row)];
-  }
+  kernels::prefixSums(sum_.data(), half_rows_, rows, sum_prefix_.data());
+  kernels::prefixSums(number_.data(), half_rows_, rows, number_prefix_.data());
   kernels::windowMean(sum_prefix_.data(), number_prefix_.data(), half_rows_, rows, mean_.data());
 }
 

@@ -36,8 +36,11 @@ LeaningSurface::Foot LeaningSurface::search(const Column& column, int centre, fl
 
 void LeaningSurface::refineOne(const Column& column, SweepScores& scores, BeamChoice& choice) {
   const int centre = static_cast<int>(std::lround(choice.candidate));
-  const float most =
-      scores.score.at(centre, column.beam) * static_cast<float>(parameters_.lean_gain);
+  const float upright = scores.score.at(centre, column.beam);
+  const float most = upright * static_cast<float>(parameters_.lean_gain);
+  if (upright > static_cast<float>(parameters_.lean_doubt) *
+                    column.sweep.offered(column.references, column.count, column.beam, centre))
+    return;
   column.sweep.aimBeam(column.references, column.count, column.beam);
   const Foot foot = search(column, centre, most);
   if (foot.score <= 0.0F) return;

@@ -24,8 +24,8 @@ void NoiseModel::configure(const PolarGrid& grid, const std::vector<RowRange>& r
   terms_.across = square(0.5 * p.azimuth_error * grid.lines_per_radian);
   terms_.bend_across = square(p.blur_azimuth * grid.lines_per_radian);
   const auto n = static_cast<std::size_t>(grid.sweepRows());
-  along_.resize(n);
-  bend_along_.resize(n);
+  along_.resize(n + kernels::overrun);
+  bend_along_.resize(n + kernels::overrun);
   segments_.clear();
   for (int j = 0; j < grid.sweepRows(); ++j) {
     const double r = grid.r(j * PolarGrid::rows_per_sweep_row);
@@ -45,17 +45,20 @@ void NoiseModel::configure(const PolarGrid& grid, const std::vector<RowRange>& r
   }
 }
 
-void NoiseModel::evaluate(ImageView<const std::uint8_t> rectified,
+void NoiseModel::evaluate(ImageView<const std::int16_t> even, ImageView<const std::int16_t> odd,
                           ImageView<std::uint16_t> weights) const {
-  for (int line = 1; line + 1 < rectified.height; ++line) {
+  for (int line = 1; line + 1 < even.height; ++line) {
     for (const Segment& segment : segments_) {
       const RowRange rows = intersection(segment.rows, sweepRows(line));
       if (rows.size() == 0) continue;
-      const int fine = rows.begin * PolarGrid::rows_per_sweep_row;
-      kernels::noiseWeights(rectified.row(line - 1) + fine, rectified.row(line) + fine,
-                            rectified.row(line + 1) + fine, segment.stride,
-                            along_.data() + rows.begin, bend_along_.data() + rows.begin, terms_,
-                            rows.size(), weights.row(line) + rows.begin);
+      // sweep row j is fine row 2 j: its neighbours are even rows or odd ones
+      const std::int16_t* plane = (segment.stride % 2 == 0 ? even : odd).row(line) + rows.begin;
+      const kernels::NoiseNeighbours grey{
+          even.row(line) + rows.begin, even.row(line - 1) + rows.begin,
+          even.row(line + 1) + rows.begin, plane - (segment.stride + 1) / 2,
+          plane + segment.stride / 2};
+      kernels::noiseWeights(grey, along_.data() + rows.begin, bend_along_.data() + rows.begin,
+                            terms_, rows.size(), weights.row(line) + rows.begin);
     }
   }
 }

@@ -39,11 +39,11 @@ void SelfCalibration::configure(const PolarGrid& grid, const std::vector<RowRang
   pair_.configure(grid, rows, stated_, rectified_with, parameters_, noise_);
 }
 
-/// Short while the views would not overlap under the pitch that is possible, and at the beginning,
-/// when any pair is welcome.
+/// Short while the views would not overlap under the pitch that is possible, and never more than
+/// twice as long as the pair before: the first ones have to come soon.
 double SelfCalibration::baseline() const {
   const CalibrationParameters& p = parameters_;
-  const double share = std::min(p.sd_pitch / sigma(I::Pitch), 1.0 + pairs_);
+  const double share = std::min(p.sd_pitch / sigma(I::Pitch), std::exp2(pairs_));
   return stated_.height * std::clamp(p.short_baseline * share, p.short_baseline, p.long_baseline);
 }
 

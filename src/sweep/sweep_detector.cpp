@@ -57,7 +57,7 @@ void SweepDetector::configure(const CameraPose& T_base_camera) {
   ring_.configure(grid_, parameters_.reference);
   current_.image.resize(grid_.rows, grid_.lines);
   current_grey_.resize(grid_.sweepRows(), grid_.lines);
-  scratch_.resize(grid_.sweepRows(), 1);
+  current_odd_.resize(grid_.sweepRows(), grid_.lines);
   weight_.resize(grid_.sweepRows(), grid_.lines);
   for (Planes& planes : planes_) {
     planes.even.resize(grid_.sweepRows(), grid_.lines);
@@ -161,8 +161,8 @@ void SweepDetector::maskFloor() {
 void SweepDetector::splitCurrent() {
   for (int line = 0; line < grid_.lines; ++line)
     kernels::splitRows(current_.image.row(line), Photometric{}.fixedGain(), 0, grid_.sweepRows(),
-                       current_grey_.row(line), scratch_.row(0));
-  noise_.evaluate(current_.image.view(), weight_.view());
+                       current_grey_.row(line), current_odd_.row(line));
+  noise_.evaluate(current_grey_.view(), current_odd_.view(), weight_.view());
   lap("noise_model");
 }
 

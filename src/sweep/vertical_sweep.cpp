@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ipm_mapping/kernels/sweep_costs.hpp"
-
 namespace ipm_mapping::sweep {
 namespace {
 
@@ -12,7 +10,8 @@ constexpr int place_step = 8;        // candidates between exact places
 constexpr double below_view = 1.25;  // candidates reach this far below the image, in r
 constexpr double half_beam = 0.5 * (kernels::beam_lines - 1);
 constexpr double fraction_unit = 32767.0;  // 1/2^15 as a signed number
-constexpr int block_rows = 32, leaning_block_rows = 8;
+constexpr double farthest_shift = 1e6;     // fine rows: out of every view
+constexpr int leaning_block_rows = 8;
 constexpr double weight_unit = 256.0;
 constexpr int peak_reach = 6;       // candidates around a step that a maximum is compared with
 constexpr float peak_share = 0.5F;  // of that maximum
@@ -50,111 +49,113 @@ void VerticalSweep::configure(const PolarGrid& grid, const std::vector<RowRange>
     row_weight_.push_back(static_cast<std::int32_t>(
         std::lround(weight_unit * p.evidence_rows * grid.r(j * PolarGrid::rows_per_sweep_row) /
                     sweep_rows_per_log)));
+  row_weight_.resize(row_weight_.size() + kernels::overrun);
   bound_.resize(static_cast<std::size_t>(last_row + 1));
   row_r_.clear();
-  for (int j = 0; j <= last_row; ++j) row_r_.push_back(grid.r(j * PolarGrid::rows_per_sweep_row));
+  for (int j = 0; j <= last_row + place_step; ++j)
+    row_r_.push_back(grid.r(j * PolarGrid::rows_per_sweep_row));
   potential_.resize(bound_.size());
-  evidence_.resize(static_cast<std::size_t>(block_rows + kernels::overrun));
-  cost_.resize(evidence_.size());
+  gain_.resize(bound_.size() + kernels::overrun);
+  no_vertical_cost_.assign(gain_.size(), 0);
   for (auto& places : places_) places.resize(static_cast<std::size_t>(candidates_));
 }
 
 /// Most that any support ending at a row can gain (vertical costs are never negative), and what all
-/// rows above a row offer.
-void VerticalSweep::bound(const SweepReference* references, int count, int beam) {
+/// rows above a row offer. Returns the most of all rows.
+std::int32_t VerticalSweep::bound(const SweepReference* references, int count, int beam) {
   const RowRange seen = rows(beam);
-  std::int32_t best = 0, offered = 0;
-  for (int j = 0; j < static_cast<int>(bound_.size()); ++j) {
-    std::int32_t gain = 0;
-    for (int q = 0; q < count && seen.contains(j); ++q) {
-      const std::int32_t f = references[q].floor_cost.at(j, beam);
-      if (f == kernels::no_cost) continue;
-      gain += ((std::min(f, floor_cap_) - prior_) * row_weight_[static_cast<std::size_t>(j)]) >> 8;
-    }
-    potential_[static_cast<std::size_t>(j)] = offered;
-    offered += std::max(gain, 0);
-    best = std::max(best + gain, 0);
-    bound_[static_cast<std::size_t>(j)] = best;
+  std::fill(gain_.begin(), gain_.end(), 0);
+  for (int q = 0; q < count; ++q)
+    kernels::accumulateEvidence(references[q].floor_cost.row(beam) + seen.begin,
+                                no_vertical_cost_.data(), row_weight_.data() + seen.begin,
+                                floor_cap_, prior_, seen.size(), gain_.data() + seen.begin);
+  std::int32_t best = 0, offered = 0, most = 0;
+  for (std::size_t j = 0; j < bound_.size(); ++j) {
+    potential_[j] = offered;
+    offered += std::max(gain_[j], 0);
+    best = std::max(best + gain_[j], 0);
+    bound_[j] = best;
+    most = std::max(most, best);
   }
+  return most;
+}
+
+VerticalSweep::Place VerticalSweep::fixedPlace(double line, double shift) {
+  const auto below = [](double x) {  // std::floor is a call without SSE4
+    const int whole = static_cast<int>(x);
+    return whole - static_cast<int>(x < whole);
+  };
+  Place place;
+  place.line = below(line);
+  place.shift = below(shift);
+  place.line_fraction = static_cast<std::int16_t>((line - place.line) * fraction_unit);
+  place.row_fraction = static_cast<std::int16_t>((shift - place.shift) * fraction_unit);
+  return place;
 }
 
 /// Exact places of every place_step-th candidate, straight lines in between.
 void VerticalSweep::place(const FootMotion& motion, int beam, std::vector<Place>& places) const {
   const Eigen::Vector2d direction(std::cos(azimuth(beam)), std::sin(azimuth(beam)));
-  const auto exact = [&](int candidate) {
-    const double d = distance(candidate);
+  const auto exact = [&](int candidate) -> Eigen::Vector2d {
+    const double d = grid_.height / candidateR(candidate);
     const Eigen::Vector2d p = motion * (d * direction);
-    const double d2 = p.squaredNorm();
-    return Place{grid_.line(std::atan2(p.y(), p.x())) - half_beam,
-                 0.5 * grid_.rows_per_log * std::log(d * d / d2)};
+    const double shift = 0.5 * grid_.rows_per_log * std::log(d * d / p.squaredNorm());
+    return {grid_.line(std::atan2(p.y(), p.x())) - half_beam,
+            std::clamp(shift, -farthest_shift, farthest_shift)};
   };
-  Place a = exact(0);
+  Eigen::Vector2d a = exact(0);
   for (int c = 0; c < candidates_; c += place_step) {
-    const Place b = exact(c + place_step);
+    const Eigen::Vector2d b = exact(c + place_step);
     for (int k = 0; k < place_step && c + k < candidates_; ++k) {
       const double t = static_cast<double>(k) / place_step;
-      places[static_cast<std::size_t>(c + k)] = {a.line + t * (b.line - a.line),
-                                                 a.shift + t * (b.shift - a.shift)};
+      places[static_cast<std::size_t>(c + k)] =
+          fixedPlace(a.x() + t * (b.x() - a.x()), a.y() + t * (b.y() - a.y()));
     }
     a = b;
   }
 }
 
-/// Where a candidate's vertical line is found in one reference, and on which rows.
-VerticalSweep::Aim VerticalSweep::aim(const SweepReference& reference, const Place& place,
-                                      RowRange support) const {
-  Aim aim;
-  const double line_floor = std::floor(place.line), shift_floor = std::floor(place.shift);
-  if (!(line_floor >= 0.0 && line_floor < static_cast<double>(reference_rows_.size()))) return aim;
-  const int line = static_cast<int>(line_floor), shift = static_cast<int>(shift_floor);
-  const RowRange seen = reference_rows_[static_cast<std::size_t>(line)];
+/// A candidate's vertical line in one reference, on the rows of its support that are seen there.
+kernels::EvidencePath VerticalSweep::pathOf(const CurrentView& current,
+                                            const SweepReference& reference, const Place& place,
+                                            int beam, RowRange support) const {
+  kernels::EvidencePath path;
+  if (place.line < 0 || place.line >= static_cast<int>(reference_rows_.size())) return path;
+  const RowRange seen = reference_rows_[static_cast<std::size_t>(place.line)];
   // fine row 2 j + shift and the one after it have to be in view
-  aim.rows = intersection(support, {(seen.begin - shift + 1) >> 1, (seen.end - shift) >> 1});
-  const int half = shift >> 1;
-  const bool odd = (shift & 1) != 0;
-  aim.upper = (odd ? reference.odd : reference.even).row(line);
-  aim.lower = (odd ? reference.even : reference.odd).row(line);
-  aim.upper_offset = half;
-  aim.lower_offset = odd ? half + 1 : half;
-  aim.row_fraction = static_cast<std::int16_t>((place.shift - shift_floor) * fraction_unit);
-  aim.line_fraction = static_cast<std::int16_t>((place.line - line_floor) * fraction_unit);
-  return aim;
+  const RowRange rows =
+      intersection(support, {(seen.begin - place.shift + 1) >> 1, (seen.end - place.shift) >> 1});
+  path.begin = rows.begin;
+  path.end = rows.end;
+  path.floor = reference.floor_cost.row(beam);
+  const int half = place.shift >> 1;
+  const bool odd = (place.shift & 1) != 0;
+  kernels::VerticalPath& vertical = path.vertical;
+  vertical.stride = grid_.sweepRows();
+  vertical.current = current.grey.row(firstLine(beam));
+  vertical.weight = current.weight.row(firstLine(beam));
+  vertical.upper = (odd ? reference.odd : reference.even).row(place.line) + half;
+  vertical.lower = (odd ? reference.even : reference.odd).row(place.line) + half + (odd ? 1 : 0);
+  vertical.row_fraction = place.row_fraction;
+  vertical.line_fraction = place.line_fraction;
+  return path;
 }
 
-/// Adds to the evidence of a block of rows what one reference says about a candidate.
-void VerticalSweep::addEvidence(const CurrentView& current, const SweepReference& reference,
-                                const Aim& aim, int beam, RowRange block) {
-  const RowRange rows = intersection(aim.rows, block);
-  if (rows.size() == 0) return;
-  kernels::VerticalPath path;
-  path.stride = grid_.sweepRows();
-  path.current = current.grey.row(firstLine(beam)) + rows.begin;
-  path.weight = current.weight.row(firstLine(beam)) + rows.begin;
-  path.upper = aim.upper + rows.begin + aim.upper_offset;
-  path.lower = aim.lower + rows.begin + aim.lower_offset;
-  path.row_fraction = aim.row_fraction;
-  path.line_fraction = aim.line_fraction;
-  kernels::verticalCost(path, rows.size(), cost_.data());
-  kernels::accumulateEvidence(reference.floor_cost.row(beam) + rows.begin, cost_.data(),
-                              row_weight_.data() + rows.begin, floor_cap_, prior_, rows.size(),
-                              evidence_.data() + (rows.begin - block.begin));
-}
-
-/// Where a candidate's line is found in every reference.
-void VerticalSweep::aimAll(const SweepReference* references, int count, int candidate,
-                           RowRange support) {
+/// A candidate's line in every reference.
+void VerticalSweep::aim(const CurrentView& current, const SweepReference* references, int count,
+                        int beam, int candidate, RowRange support) {
   const auto c = static_cast<std::size_t>(std::clamp(candidate, 0, candidates_ - 1));
-  for (int q = 0; q < count; ++q)
-    aims_[static_cast<std::size_t>(q)] =
-        aim(references[q], places_[static_cast<std::size_t>(q)][c], support);
+  for (std::size_t q = 0; q < static_cast<std::size_t>(count); ++q)
+    paths_[q] = pathOf(current, references[q], places_[q][c], beam, support);
 }
 
 /// Candidate at whose distance a surface that leans away is met on a row: with d the contact's
 /// distance and r the row's, the height is z = (h - r d) / (1 + r lean), the distance d + lean z.
 int VerticalSweep::leaningCandidate(int candidate, double lean, int row) const {
-  const double ratio = grid_.r(row * PolarGrid::rows_per_sweep_row) / r(candidate);
-  const double rise = (1.0 - ratio) / (1.0 + ratio * r(candidate) * lean);  // z / h
-  const double farther = std::log1p(lean * rise * r(candidate));            // ln of the distances
+  const double r_contact = candidateR(candidate);
+  const double ratio = row_r_[static_cast<std::size_t>(row)] / r_contact;
+  const double rise = (1.0 - ratio) / (1.0 + ratio * r_contact * lean);  // z / h
+  const double farther = std::log1p(lean * rise * r_contact);            // ln of the distances
   return candidate - static_cast<int>(
                          std::lround(farther * grid_.rows_per_log / PolarGrid::rows_per_sweep_row));
 }
@@ -167,34 +168,32 @@ float VerticalSweep::scoreOf(const CurrentView& current, const SweepReference* r
   const int contact = first_row_ + candidate;
   const RowRange support = intersection(rows(beam), {contact - support_rows_, contact + 1});
   if (support.size() < 2) return 0.0F;
-  aimAll(references, count, candidate, support);
-  const int step = lean > 0.0 ? leaning_block_rows : block_rows;
-  std::int32_t sum = 0, best = 0;
-  int best_row = support.end - 1;
-  for (int end = support.end; end > support.begin; end -= step) {
-    const RowRange block{std::max(support.begin, end - step), end};
-    if (lean > 0.0)
-      aimAll(references, count, leaningCandidate(candidate, lean, (block.begin + end) / 2),
-             support);
-    std::fill_n(evidence_.begin(), step, 0);
-    for (int q = 0; q < count; ++q)
-      addEvidence(current, references[q], aims_[static_cast<std::size_t>(q)], beam, block);
-    for (int j = block.end - 1; j >= block.begin; --j) {
-      sum += evidence_[static_cast<std::size_t>(j - block.begin)];
-      if (sum > best) best = sum, best_row = j;
-    }
-    const std::int32_t reachable = sum + potential_[static_cast<std::size_t>(block.begin)] -
-                                   potential_[static_cast<std::size_t>(support.begin)];
-    if (std::max(best, reachable) < least) return 0.0F;
-    if (reachable <= best) break;
+  const kernels::EvidenceTerms terms{row_weight_.data(), potential_.data(), floor_cap_, prior_};
+  const int step = lean > 0.0 ? leaning_block_rows : support.size();
+  kernels::Climb climb;
+  climb.best_row = support.end - 1;
+  for (int end = support.end; end > support.begin && !climb.over; end -= step) {
+    const RowRange part{std::max(support.begin, end - step), end};
+    aim(current, references, count, beam,
+        lean > 0.0 ? leaningCandidate(candidate, lean, (part.begin + end) / 2) : candidate,
+        support);
+    kernels::climbSupport(paths_.data(), count, terms, part.begin, part.end, support.begin, least,
+                          climb);
   }
-  top = static_cast<std::int16_t>(best_row);
-  return static_cast<float>(best) / static_cast<float>(kernels::cost_unit * count);
+  if (climb.best < least) return 0.0F;
+  top = static_cast<std::int16_t>(climb.best_row);
+  return static_cast<float>(climb.best) / static_cast<float>(kernels::cost_unit * count);
+}
+
+float VerticalSweep::offered(const SweepReference* references, int count, int beam, int candidate) {
+  count = std::min(count, max_references);
+  bound(references, count, beam);
+  return static_cast<float>(bound_[static_cast<std::size_t>(first_row_ + candidate)]) /
+         static_cast<float>(kernels::cost_unit * count);
 }
 
 void VerticalSweep::aimBeam(const SweepReference* references, int count, int beam) {
-  bound(references, count, beam);
-  for (int q = 0; q < count; ++q)
+  for (int q = 0; q < std::min(count, max_references); ++q)
     place(references[q].motion, beam, places_[static_cast<std::size_t>(q)]);
 }
 
@@ -248,8 +247,7 @@ void VerticalSweep::evaluate(const CurrentView& current, const SweepReference* r
     std::int16_t* top = scores.top.row(beam);
     std::fill(score, score + candidates_, 0.0F);
     std::fill(top, top + candidates_, static_cast<std::int16_t>(grid_.sweepRows()));
-    bound(references, count, beam);
-    if (*std::max_element(bound_.begin(), bound_.end()) < least) continue;
+    if (bound(references, count, beam) < least) continue;
     for (int q = 0; q < count; ++q)
       place(references[q].motion, beam, places_[static_cast<std::size_t>(q)]);
     evaluateBeam(current, references, count, beam, least, score, top);

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <regex>
+#include <set>
+#include <sstream>
+
 #include "ipm_mapping/io/atomic_file.hpp"
 #include "ipm_mapping/io/parameters_yaml.hpp"
 #include "ipm_mapping/parameters/comparison_parameters.hpp"
@@ -53,6 +57,38 @@ TEST(ParametersDocument, TheReadmeHasEveryParameterAndWhatComesFirstTwice) {
     const bool first = f.name == "z" || f.name == "pitch" || f.name == "image_time_offset";
     EXPECT_TRUE(!first || text.find(row("~camera/" + f.name, f)) < folded) << f.name;
   });
+}
+
+/// GROUP/NAME of every code span of a page that looks like one: `map/hit`, `map/hit=2`, `~map/hit`.
+std::set<std::string> parametersNamedIn(const std::string& page) {
+  std::set<std::string> groups, named;
+  const Parameters defaults;
+  Parameters::groups(defaults, [&](const char* name, const auto&) { groups.insert(name); });
+  const std::regex span("`~?([a-z_]+)/([a-z_]+)(=[^`]*)?`");
+  for (auto it = std::sregex_iterator(page.begin(), page.end(), span); it != std::sregex_iterator();
+       ++it)
+    if (groups.count((*it)[1]) > 0) named.insert((*it)[1].str() + "/" + (*it)[2].str());
+  return named;
+}
+
+TEST(ParametersDocument, EveryParameterThatAPageNamesExists) {
+  std::set<std::string> known;
+  const Parameters defaults;
+  Parameters::groups(defaults, [&](const char* name, const auto& group) {
+    describeFields(group,
+                   [&](const FieldText& f) { known.insert(std::string(name) + "/" + f.name); });
+  });
+  std::size_t count = 0;
+  for (const char* page :
+       {"README.md", "docs/tuning.md", "docs/robot.md", "docs/accuracy.md", "docs/sweep.md"}) {
+    std::string text;
+    ASSERT_EQ(readFile(std::string(SOURCE_DIRECTORY) + "/" + page, text), std::nullopt);
+    for (const std::string& name : parametersNamedIn(text)) {
+      EXPECT_EQ(known.count(name), 1U) << page << " names " << name;
+      ++count;
+    }
+  }
+  EXPECT_GT(count, 20U);
 }
 
 TEST(ParametersDocument, OnlyWhatStandsBetweenTheMarksIsReplaced) {

@@ -60,6 +60,8 @@ TEST(ParametersYaml, WhatIsWrittenIsReadBackExactlyWhateverTheBase) {
   shaken.map.free_below = 0.1 + 0.2;
   shaken.map.occupied_above = 2.0 / 3.0;
   shaken.map.clamp = 3.5;
+  shaken.memory.confirm_frames = 3;
+  shaken.memory.confirm_of = 5;
   for (const std::string& base : Parameters::profileNames()) {
     const Parameters back = parse(parametersYaml(shaken, base));
     EXPECT_EQ(texts(back), texts(shaken));

@@ -61,26 +61,32 @@ TEST(SweepCostKernels, AGainOfOneKeepsGreyLevelsInTheirUnit) {
 }
 
 TEST(SweepCostKernels, NoiseWeightIsTheInverseStandardDeviation) {
-  const auto l = randomValues<std::uint8_t>(400, 0, 255, 2);
-  const auto h = randomValues<std::uint8_t>(400, 0, 255, 3);
-  const auto r = randomValues<std::uint8_t>(400, 0, 255, 4);
+  std::vector<std::vector<std::int16_t>> planes;  // here, left, right, far, near
+  for (unsigned seed = 2; seed < 7; ++seed) {
+    planes.push_back(randomValues<std::int16_t>(200, 0, 255, seed));
+    for (auto& grey : planes.back()) grey = static_cast<std::int16_t>(grey * kernels::grey_unit);
+  }
+  const kernels::NoiseNeighbours grey{planes[0].data(), planes[1].data(), planes[2].data(),
+                                      planes[3].data(), planes[4].data()};
   const kernels::NoiseTerms terms{0.34F, 0.009F, 0.08F, 0.3F};
   const std::vector<float> along(200, 0.05F), bend(200, 0.2F);
-  const int stride = 3, first = 16;
+  std::vector<std::uint16_t> first;
   for (const int count : counts) {
+    first.clear();
     withEverySweepTarget([&, n = count] {
       std::vector<std::uint16_t> weight(200);
-      kernels::noiseWeights(l.data() + first, h.data() + first, r.data() + first, stride,
-                            along.data(), bend.data(), terms, n, weight.data());
-      for (int i = 0; i < n; ++i) {
-        const auto j = static_cast<std::size_t>(first + 2 * i);
-        const double dl = r[j] - l[j], dr = h[j + stride] - h[j - stride];
-        const double L =
-            0.3 * (r[j] + l[j] - 2.0 * h[j]) + 0.2 * (h[j + stride] + h[j - stride] - 2.0 * h[j]);
-        const double variance = 0.34 + 0.009 * h[j] + 0.08 * dl * dl + 0.05 * dr * dr + L * L;
+      kernels::noiseWeights(grey, along.data(), bend.data(), terms, n, weight.data());
+      weight.resize(static_cast<std::size_t>(n));
+      for (std::size_t i = 0; i < weight.size(); ++i) {
+        const auto at = [&](std::size_t plane) { return planes[plane][i] / 32.0; };
+        const double dl = at(2) - at(1), dr = at(4) - at(3);
+        const double L = 0.3 * (at(2) + at(1) - 2.0 * at(0)) + 0.2 * (at(4) + at(3) - 2.0 * at(0));
+        const double variance = 0.34 + 0.009 * at(0) + 0.08 * dl * dl + 0.05 * dr * dr + L * L;
         const double expected = 32768.0 / std::sqrt(std::max(variance, 0.26));
-        ASSERT_NEAR(weight[static_cast<std::size_t>(i)], expected, 1.0 + 1e-4 * expected) << i;
+        ASSERT_NEAR(weight[i], expected, 1.0 + 1e-4 * expected) << i;
       }
+      if (first.empty()) first = weight;
+      EXPECT_EQ(weight, first);
     });
   }
 }
@@ -125,21 +131,37 @@ TEST(SweepCostKernels, PathResidualIsTheSameOnEveryTarget) {
   });
 }
 
+TEST(SweepCostKernels, PrefixesAreSumsOfTheRowsBefore) {
+  const auto values = randomValues<std::int32_t>(112, -90000, 90000, 27);
+  const int half = 5;
+  for (const int count : counts) {
+    withEverySweepTarget([&, n = count] {
+      std::vector<std::int32_t> prefix(140, 7);
+      kernels::prefixSums(values.data(), half, n, prefix.data());
+      std::int32_t sum = 0;
+      for (int k = 0; k < n + 2 * half + 1; ++k) {
+        ASSERT_EQ(prefix[static_cast<std::size_t>(k)], sum) << k;
+        const int row = k - half;
+        if (row >= 0 && row < n) sum += values[static_cast<std::size_t>(row)];
+      }
+      EXPECT_EQ(prefix[static_cast<std::size_t>(n + 2 * half + 1)], 7);
+    });
+  }
+}
+
 TEST(SweepCostKernels, WindowMeanLeavesOutMissingResiduals) {
   const int count = 40, half = 3;
   auto residual = randomValues<std::int16_t>(count, -900, 900, 13);
   for (const std::size_t gone : {0U, 7U, 8U, 9U, 10U, 11U, 12U, 13U, 14U, 39U})
     residual[gone] = kernels::no_residual;
   withEverySweepTarget([&] {
-    std::vector<std::int32_t> sum(count), number(count), sums(1), numbers(1);
+    std::vector<std::int32_t> sum(count), number(count);
+    std::vector<std::int32_t> sums(count + 2 * half + 1), numbers(sums.size());
     kernels::accumulateResidual(residual.data(), 1, count, sum.data(), number.data());
     kernels::accumulateResidual(residual.data(), 1, count, sum.data(), number.data());
     kernels::accumulateResidual(residual.data(), -1, count, sum.data(), number.data());
-    for (int k = -half; k < count + half; ++k) {
-      const bool inside = k >= 0 && k < count;
-      sums.push_back(sums.back() + (inside ? sum[static_cast<std::size_t>(k)] : 0));
-      numbers.push_back(numbers.back() + (inside ? number[static_cast<std::size_t>(k)] : 0));
-    }
+    kernels::prefixSums(sum.data(), half, count, sums.data());
+    kernels::prefixSums(number.data(), half, count, numbers.data());
     std::vector<std::int16_t> mean(count);
     kernels::windowMean(sums.data(), numbers.data(), half, count, mean.data());
     for (int i = 0; i < count; ++i) {
@@ -303,6 +325,77 @@ TEST(SweepCostKernels, VerticalCostIsTheSameOnEveryTarget) {
     if (first.empty()) first = cost;
     EXPECT_EQ(cost, first);
   });
+}
+
+/// Two references that see different rows of a support; what lies above `reach` looks like floor.
+struct SupportCase {
+  static constexpr int rows = 100;
+  VerticalCase images;
+  std::vector<std::uint16_t> floor = randomValues<std::uint16_t>(160, 0, 9000, 25);
+  std::vector<std::int32_t> weight = randomValues<std::int32_t>(160, 20, 1300, 26);
+  std::vector<std::int32_t> potential = std::vector<std::int32_t>(160, 0);
+  std::vector<kernels::EvidencePath> paths;
+
+  SupportCase() {
+    for (std::size_t j = 20; j < 25; ++j) floor[j] = kernels::no_cost;
+    // costs of a vertical line that mostly fits: small weights
+    for (auto& w : images.weight) w = static_cast<std::uint16_t>(w / 64);
+    paths.push_back({images.path(0.3, 0.6), floor.data(), 5, 96});
+    paths.push_back({images.path(0.8, 0.1), floor.data(), 11, 63});
+    for (std::size_t j = 1; j < potential.size(); ++j)
+      potential[j] = potential[j - 1] + 2 * 9000 * weight[j - 1] / 256;
+  }
+  [[nodiscard]] kernels::EvidenceTerms terms() const {
+    return {weight.data(), potential.data(), 5120, 102};
+  }
+  /// Row by row, by the two kernels that climbSupport() is made of.
+  [[nodiscard]] kernels::Climb oneByOne(int begin, int end) const {
+    std::vector<std::int32_t> evidence(160, 0);
+    for (const kernels::EvidencePath& p : paths) {
+      std::vector<std::uint16_t> cost(160);
+      kernels::verticalCost(p.vertical, 112, cost.data());
+      kernels::accumulateEvidence(floor.data() + p.begin, cost.data() + p.begin,
+                                  weight.data() + p.begin, 5120, 102, p.end - p.begin,
+                                  evidence.data() + p.begin);
+    }
+    kernels::Climb climb;
+    climb.best_row = end - 1;
+    for (int j = end - 1; j >= begin; --j) {
+      climb.sum += evidence[static_cast<std::size_t>(j)];
+      if (climb.sum > climb.best) climb.best = climb.sum, climb.best_row = j;
+    }
+    return climb;
+  }
+};
+
+TEST(SweepCostKernels, ClimbingASupportFindsTheHighestSumOfItsRows) {
+  const SupportCase data;
+  for (const auto& [begin, end] : {std::pair{0, 100}, {8, 97}, {30, 62}, {40, 43}, {90, 100}}) {
+    withEverySweepTarget([&, b = begin, e = end] {
+      const kernels::Climb expected = data.oneByOne(b, e);
+      kernels::Climb climb;
+      climb.best_row = e - 1;
+      kernels::climbSupport(data.paths.data(), 2, data.terms(), b, e, b, 0, climb);
+      EXPECT_EQ(climb.best, expected.best);
+      EXPECT_EQ(climb.best_row, expected.best_row);
+      EXPECT_EQ(climb.sum, expected.sum);
+    });
+  }
+}
+
+TEST(SweepCostKernels, ClimbingIsOverWhenNothingAboveCanHelp) {
+  SupportCase data;
+  kernels::Climb climb;
+  kernels::climbSupport(data.paths.data(), 2, data.terms(), 64, 96, 0, 0, climb);
+  EXPECT_FALSE(climb.over);
+  climb = {};
+  kernels::climbSupport(data.paths.data(), 2, data.terms(), 64, 96, 0, 1 << 30, climb);
+  EXPECT_TRUE(climb.over) << "not even everything above makes `least`";
+  climb = {};
+  std::fill(data.potential.begin(), data.potential.end(), 0);
+  kernels::climbSupport(data.paths.data(), 2, data.terms(), 64, 96, 0, 0, climb);
+  EXPECT_EQ(climb.over, climb.sum <= climb.best);
+  EXPECT_TRUE(climb.over);
 }
 
 }  // namespace

@@ -33,6 +33,33 @@ TEST(MarkOnceMap, OccupiesTheCellOfAContactForGoodAndFreesNothing) {
   EXPECT_EQ(occupancyAt(map, 1.0 - 0.13, 2.0 + 0.52), 100);
 }
 
+// --- what was taken away ----------------------------------------------------------
+
+/// Frames over free floor until a cell that was as sure as can be is no longer occupied.
+int framesUntilGone(const MapParameters& parameters) {
+  OccupancyMap map(parameters);
+  Obstacles seen = frameAt({});
+  seen.contacts = {contactAt(1.02F, 0.02F)};
+  for (int i = 0; i < 100; ++i) map.update(seen);
+  Obstacles gone = frameAt({});
+  gone.bearings = {bearing(BearingState::Free, 0.02F, 2.0F)};
+  for (int frames = 1; frames < 1000; ++frames) {
+    map.update(gone);
+    if (occupancyAt(map, 1.02, 0.02) != 100) return frames;
+  }
+  return -1;
+}
+
+TEST(LogOddsMap, WhatWasTakenAwayIsGoneAsFastAsClampAndMissSay) {
+  MapParameters parameters = withUpdate(MapUpdate::LogOdds);
+  EXPECT_EQ(framesUntilGone(parameters), 12) << "(3.5 - 0.62) / 0.25";
+  parameters.miss = 0.5;
+  EXPECT_EQ(framesUntilGone(parameters), 6);
+  parameters.miss = 0.25;
+  parameters.clamp = 2.0;
+  EXPECT_EQ(framesUntilGone(parameters), 6);
+}
+
 // --- log odds against a brute-force oracle ----------------------------------------
 
 /// The rule of log_odds written down plainly: per frame, sets of missed and hit cells from densely

@@ -19,9 +19,9 @@ TOOLS, WORK = sys.argv[1:3]
 # (figure, worst that is accepted); a negative sign: at least, otherwise at most.
 LAB_NORMAL = {"false_percent": 1.0, "median_error_cm": 1.0, "p90_error_cm": 4.0,
               "recall_percent": -93.0, "map_false_cells_percent": 6.0,
-              "map_coverage_percent": -85.0, "free_beyond_percent": 6.0}
+              "map_coverage_percent": -85.0, "free_beyond_percent": 1.5}
 LAB_HARD = {"false_percent": 4.0, "median_error_cm": 2.0, "recall_percent": -82.0,
-            "map_coverage_percent": -85.0, "free_beyond_percent": 8.0}
+            "map_coverage_percent": -85.0, "free_beyond_percent": 1.5}
 MOUNTING = ("x", "y", "z", "pitch")
 
 
@@ -107,6 +107,8 @@ class AccuracyTest(unittest.TestCase):
         figures = self.normal.figures("--profile", "paper")
         self.assertGreater(figures["frames_used"], 40)
         self.assertGreater(figures["visible_bearings"], 1000)
+        # It misses what stands there and promises the floor behind it: the ceiling is no formality.
+        self.assertGreater(figures["free_beyond_percent"], 4 * LAB_NORMAL["free_beyond_percent"])
 
 
 if __name__ == "__main__":

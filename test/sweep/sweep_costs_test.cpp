@@ -36,7 +36,7 @@ class Costs : public ::testing::Test {
       kernels::splitRows(before.row(line), same.fixedGain(), 0, grid.sweepRows(), even.row(line),
                          odd.row(line));
     }
-    noise.evaluate(now.view(), weight.view());
+    noise.evaluate(grey.view(), unused.view(), weight.view());
     current = {grey.view(), weight.view(), &noise.sweepRows()};
     floor_cost.evaluate(current, before.view(), foot_motion, same, cost.view());
     reference = {even.view(), odd.view(), cost.view(), foot_motion};

@@ -81,7 +81,8 @@ class CheckCamera(unittest.TestCase):
             self.assertLess(height_sigma, 0.012)
             before, after = map(float, re.search(
                 r"registration_px: ([\d.]+) as stated, ([\d.]+) as estimated", text).groups())
-            self.assertLess(after, before)
+            if pitch_error:  # height alone is made up for by the motion
+                self.assertLess(after, 0.8 * before)
             self.assertIn("change the %s" % ("pitch" if pitch_error else "height"), text)
 
     def test_a_true_pose_is_left_alone(self):

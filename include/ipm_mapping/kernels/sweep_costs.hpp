@@ -16,6 +16,7 @@ inline constexpr std::int16_t no_residual = -32768;
 inline constexpr std::uint16_t no_cost = 65535;
 /// Kernels read and write up to this many elements past `count`.
 inline constexpr int overrun = 32;
+inline constexpr int evidence_block = 32;  ///< rows of a block of evidence
 
 /// A line of 2 * count bytes to its even and odd rows: (gain * byte + offset) >> 9, cut to
 /// [-8191, 8191]. gain 1 is 2^14, an offset of one grey level is 2^14 too.
@@ -32,15 +33,21 @@ struct NoiseTerms {
   float across = 0.0F;       ///< weight of (I(line + 1) - I(line - 1))^2
   float bend_across = 0.0F;  ///< weight of the second difference over lines
 };
+/// Grey levels at and around a run of sweep rows, each at the first of them.
+struct NoiseNeighbours {
+  const std::int16_t* here = nullptr;
+  const std::int16_t* left = nullptr;   ///< line before
+  const std::int16_t* right = nullptr;  ///< line after
+  const std::int16_t* far = nullptr;    ///< fine row - stride
+  const std::int16_t* near = nullptr;   ///< fine row + stride
+};
 /// weight[i] = 32768 / sqrt(variance of sweep row i) for sweep rows i of one line:
 ///   variance = dark + bright I + across (I(line + 1) - I(line - 1))^2
 ///            + along[i] (I(row + stride) - I(row - stride))^2
 ///            + (bend_across (second difference over lines) + bend_along[i] (over rows))^2,
-/// at least 0.26. `here`, `left`, `right` are the bytes of three neighbouring lines from the fine
-/// row of i = 0 on; sweep row i is fine row 2 i. Rows -stride ... 2 count + stride are read.
-void noiseWeights(const std::uint8_t* left, const std::uint8_t* here, const std::uint8_t* right,
-                  int stride, const float* along, const float* bend_along, const NoiseTerms& terms,
-                  int count, std::uint16_t* weight);
+/// at least 0.26. Neighbours are the even or odd rows of splitRows() that hold them.
+void noiseWeights(const NoiseNeighbours& grey, const float* along, const float* bend_along,
+                  const NoiseTerms& terms, int count, std::uint16_t* weight);
 
 /// Positions on a path: out[8 b + k] = (node[b] (8 - k) + node[b + 1] k) >> 7, nodes in 1/1024,
 /// positions in 1/64. `out` holds 8 * blocks values.
@@ -59,9 +66,12 @@ void pathResidual(const std::uint8_t* reference, std::int32_t stride, const std:
 void accumulateResidual(const std::int16_t* residual, int sign, int count, std::int32_t* sum,
                         std::int32_t* number);
 
+/// prefix[k] = sum of the rows before row k - half, for count + 2 half + 1 values of k.
+void prefixSums(const std::int32_t* values, int half, int count, std::int32_t* prefix);
+
 /// mean[i] = sum over the window / number over the window, rows i - half ... i + half of a line's
-/// accumulated residuals; 0 where the window is empty. The prefixes hold count + 2 half + 1 values,
-/// prefix[k] = everything before row k - half.
+/// accumulated residuals; 0 where the window is empty. Prefixes are those of
+/// prefixSums().
 void windowMean(const std::int32_t* sum_prefix, const std::int32_t* number_prefix, int half,
                 int count, std::int16_t* mean);
 
@@ -92,5 +102,30 @@ void lowerTo(const std::uint16_t* other, std::int32_t prior, int count, std::uin
 void accumulateEvidence(const std::uint16_t* floor, const std::uint16_t* vertical,
                         const std::int32_t* weight, std::int32_t floor_cap, std::int32_t prior,
                         int count, std::int32_t* evidence);
+
+/// A candidate in one reference: pointers are at sweep row 0, rows begin ... end - 1 are seen.
+struct EvidencePath {
+  VerticalPath vertical;
+  const std::uint16_t* floor = nullptr;  ///< floor cost
+  int begin = 0, end = 0;
+};
+/// What all references and candidates of a beam have in common, from sweep row 0 on.
+struct EvidenceTerms {
+  const std::int32_t* weight = nullptr;
+  const std::int32_t* potential = nullptr;  ///< what the rows before a row could gain at most
+  std::int32_t floor_cap = 0, prior = 0;
+};
+/// A support on the way up from its contact.
+struct Climb {
+  std::int32_t sum = 0;   ///< evidence so far
+  std::int32_t best = 0;  ///< the highest that the sum has been
+  int best_row = 0;       ///< where
+  bool over = false;      ///< the rest cannot raise `best`, or cannot raise it to `least`
+};
+/// Follows a support up the rows end - 1 ... begin, evidence_block rows at a time, by
+/// verticalCost() and accumulateEvidence() of every reference. The support ends at row `top`, at
+/// `begin` or above it.
+void climbSupport(const EvidencePath* paths, int count, const EvidenceTerms& terms, int begin,
+                  int end, int top, std::int32_t least, Climb& climb);
 
 }  // namespace ipm_mapping::kernels

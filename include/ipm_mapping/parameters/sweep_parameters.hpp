@@ -199,6 +199,7 @@ struct SelectionParameters {
   int refine_steps = 4;
   int lean_reach = 14;
   double lean_gain = 1.02;
+  double lean_doubt = 0.8;
   double edge_score = 20.0;
   double edge_contrast = 12.0;
   int edge_farther = 4;
@@ -207,7 +208,7 @@ struct SelectionParameters {
   double straddle_gap = 0.133;
   double straddle_ratio = 1.5;
   double free_cost = 1.3;
-  int free_halo = 4;
+  int free_halo = 6;
   double free_gap = 0.3;
   double near_memory = 30.0;
   double blocked_cost = 2.0;
@@ -238,6 +239,9 @@ struct SelectionParameters {
           "everything stands upright");
     field("lean_gain", self.lean_gain, Unit{""}, Range{1.0, 10.0},
           "such a surface has to score this many times the upright one");
+    field("lean_doubt", self.lean_doubt, Unit{""}, Range{0.0, 1.0},
+          "an upright surface that explains this share of what does not look like floor is not "
+          "doubted");
     field("edge_score", self.edge_score, Unit{""}, Range{0.0, 1000.0},
           "what the image's edge at an obstacle's foot adds to a candidate at most; 0: not used");
     field("edge_contrast", self.edge_contrast, Unit{"grey levels/row"}, Range{0.1, 255.0},

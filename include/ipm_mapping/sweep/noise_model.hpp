@@ -20,8 +20,9 @@ class NoiseModel {
   void configure(const PolarGrid& grid, const std::vector<RowRange>& rows,
                  const NoiseParameters& parameters);
 
-  /// `weights` is sweepRows x lines.
-  void evaluate(ImageView<const std::uint8_t> rectified, ImageView<std::uint16_t> weights) const;
+  /// `even` and `odd` are the rows of the current image, 1/32 grey levels; all sweepRows x lines.
+  void evaluate(ImageView<const std::int16_t> even, ImageView<const std::int16_t> odd,
+                ImageView<std::uint16_t> weights) const;
 
   /// Sweep rows of a line whose neighbourhood is in view: where weights are valid.
   [[nodiscard]] RowRange sweepRows(int line) const {

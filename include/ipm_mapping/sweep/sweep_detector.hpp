@@ -101,7 +101,7 @@ class SweepDetector : public Detector {
   BlockLattice lattice_;
 
   RectifiedFrame current_;
-  Image<std::int16_t> current_grey_, scratch_;
+  Image<std::int16_t> current_grey_, current_odd_;
   Image<std::uint16_t> weight_;
   std::array<Planes, VerticalSweep::max_references> planes_;
   std::array<const RectifiedFrame*, VerticalSweep::max_references> references_{};

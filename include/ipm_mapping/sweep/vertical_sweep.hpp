@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "ipm_mapping/image_view.hpp"
+#include "ipm_mapping/kernels/sweep_costs.hpp"
 #include "ipm_mapping/sweep/floor_cost.hpp"
 #include "ipm_mapping/sweep/foot_motion.hpp"
 #include "ipm_mapping/sweep/polar_grid.hpp"
@@ -42,7 +43,9 @@ class VerticalSweep {
   void evaluate(const CurrentView& current, const SweepReference* references, int count,
                 float least_score, SweepScores& scores);
 
-  /// Prepares leaningScore() for the candidates of one beam.
+  /// Most that any surface standing at a candidate could score: all that the floor's cost offers.
+  float offered(const SweepReference* references, int count, int beam, int candidate);
+  /// Prepares leaningScore() for the candidates of one beam, of which offered() was asked last.
   void aimBeam(const SweepReference* references, int count, int beam);
   /// Score of a surface that stands on the floor at a candidate and leans away from the camera by
   /// `lean` metres per metre of height; less than `least_score` may be given as 0.
@@ -62,24 +65,22 @@ class VerticalSweep {
   [[nodiscard]] RowRange rows(int beam) const { return beam_rows_[static_cast<std::size_t>(beam)]; }
 
  private:
-  /// Where a candidate's vertical line lies in a reference.
+  /// Where a candidate's vertical line lies in a reference: first line, and by how many fine rows
+  /// it is moved; fractions in 1/2^15.
   struct Place {
-    double line, shift;  // first line; fine rows
+    int line = 0, shift = 0;
+    std::int16_t line_fraction = 0, row_fraction = 0;
   };
-  /// The same as rows of a reference's planes: row j lies at upper[j + upper_offset].
-  struct Aim {
-    const std::int16_t* upper = nullptr;
-    const std::int16_t* lower = nullptr;
-    int upper_offset = 0, lower_offset = 0;
-    std::int16_t row_fraction = 0, line_fraction = 0;
-    RowRange rows;
-  };
-  void bound(const SweepReference* references, int count, int beam);
+  std::int32_t bound(const SweepReference* references, int count, int beam);
+  static Place fixedPlace(double line, double shift);
   void place(const FootMotion& motion, int beam, std::vector<Place>& places) const;
-  Aim aim(const SweepReference& reference, const Place& place, RowRange support) const;
-  void addEvidence(const CurrentView& current, const SweepReference& reference, const Aim& aim,
-                   int beam, RowRange block);
-  void aimAll(const SweepReference* references, int count, int candidate, RowRange support);
+  kernels::EvidencePath pathOf(const CurrentView& current, const SweepReference& reference,
+                               const Place& place, int beam, RowRange support) const;
+  void aim(const CurrentView& current, const SweepReference* references, int count, int beam,
+           int candidate, RowRange support);
+  [[nodiscard]] double candidateR(int candidate) const {
+    return row_r_[static_cast<std::size_t>(first_row_ + candidate)];
+  }
   [[nodiscard]] int leaningCandidate(int candidate, double lean, int row) const;
   float scoreOf(const CurrentView& current, const SweepReference* references, int count, int beam,
                 int candidate, double lean, std::int32_t least, std::int16_t& top);
@@ -96,10 +97,10 @@ class VerticalSweep {
   std::vector<double> row_r_;             // of every sweep row, also below the view
   std::vector<std::int32_t> bound_;       // most that a support ending at a row can gain
   std::vector<std::int32_t> potential_;   // sum of what the rows before a row could gain
-  std::vector<std::int32_t> evidence_;
-  std::vector<std::uint16_t> cost_;
+  std::vector<std::int32_t> gain_;        // most that each row can gain
+  std::vector<std::uint16_t> no_vertical_cost_;
   std::array<std::vector<Place>, max_references> places_;
-  std::array<Aim, max_references> aims_;
+  std::array<kernels::EvidencePath, max_references> paths_;
 };
 
 }  // namespace ipm_mapping::sweep

@@ -44,7 +44,7 @@ class LightMap {
   static constexpr int kTile = 32, kStored = kTile + 1, kBaked = kTile + 3;
   static constexpr int kNoLimit[2] = {-(1 << 30), 1 << 30};
   struct Tile {
-    std::vector<float> shares;        ///< kStored^2 squares x (1 + lamps)
+    std::vector<float> shares;        ///< kStored^2 squares x channels
     std::vector<std::uint8_t> steep;  ///< kTile^2 bits between four squares
   };
   struct Baked {
@@ -65,6 +65,7 @@ class LightMap {
   const std::vector<LampSpec>& lamps_;
   const Patch* patch_;
   float texel_;
+  std::size_t channels_;        ///< a square's shares: ambient, lamps, and what fills up to fours
   Eigen::AlignedBox2f shaded_;  ///< part of the floor that solids can darken
   Eigen::Vector2f per_cell_ = Eigen::Vector2f::Ones();  ///< squares a cell of the patch's grid
   int lowest_ = kNoLimit[0], highest_i_ = kNoLimit[1], highest_j_ = kNoLimit[1];  ///< squares

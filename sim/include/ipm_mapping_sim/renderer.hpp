@@ -28,7 +28,7 @@ class Renderer {
     Eigen::Matrix3f turn;
     Eigen::Vector3f origin;
   };
-  [[nodiscard]] PixelRay rayOf(int u, int v, float du, float dv) const;
+  [[nodiscard]] PixelRay rayOf(int u, int v) const;
   /// A part of a pixel that shows one surface: its middle ray stands for all of it.
   struct Part {
     PixelRay ray;

@@ -23,8 +23,10 @@ class Tracer {
   void nearest(const RayPacket& rays, unsigned active, HitPacket& hits) const;
   [[nodiscard]] Hit nearest(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction,
                             float reach) const;
+  /// Whether rays go much the same way: only a hint, for speed.
+  enum class Bundle { Alike, Spread };
   /// Bit k is set where ray k meets anything within its reach.
-  [[nodiscard]] unsigned blocked(const RayPacket& rays) const;
+  [[nodiscard]] unsigned blocked(const RayPacket& rays, Bundle bundle) const;
 
  private:
   RTCDevice device_ = nullptr;
