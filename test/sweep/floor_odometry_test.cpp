@@ -39,7 +39,14 @@ struct Drive {
   }
 };
 
-FloorOdometryParameters nothingConstant() { return {0.0, 0.0, 0.0}; }
+FloorOdometryParameters constant(double sd_scale, double sd_turn) {
+  FloorOdometryParameters parameters;
+  parameters.sd_scale = sd_scale;
+  parameters.sd_turn = sd_turn;
+  parameters.sd_shift = 0.0;
+  return parameters;
+}
+FloorOdometryParameters nothingConstant() { return constant(0.0, 0.0); }
 
 /// Every `every`-th frame is used, once there is a frame `window` back; the others are not.
 FloorPose follow(Drive& drive, FloorOdometry& odometry, int every = 1) {
@@ -183,11 +190,12 @@ TEST(FloorOdometry, ConstantErrorsOfScaleAndHeadingAddUp) {
     return Eigen::Vector3d(p.x, p.y, p.theta);
   };
   constexpr double sd = 1e-4;
-  const Eigen::Matrix3d none = covariance({0.0, 0.0, 0.0});
+  const Eigen::Matrix3d none = covariance(nothingConstant());
   const Eigen::Vector3d by_scale = end(1.0 + sd, 0.0) - end(1.0, 0.0);
   const Eigen::Vector3d by_turn = end(1.0, sd) - end(1.0, 0.0);
-  EXPECT_TRUE((covariance({sd, 0.0, 0.0}) - none).isApprox(by_scale * by_scale.transpose(), 0.01));
-  EXPECT_TRUE((covariance({0.0, sd, 0.0}) - none).isApprox(by_turn * by_turn.transpose(), 0.01));
+  EXPECT_TRUE(
+      (covariance(constant(sd, 0.0)) - none).isApprox(by_scale * by_scale.transpose(), 0.01));
+  EXPECT_TRUE((covariance(constant(0.0, sd)) - none).isApprox(by_turn * by_turn.transpose(), 0.01));
 }
 
 TEST(FloorOdometry, StandingCostsNothingAndTurningOnTheSpotCostsHeading) {
