@@ -51,7 +51,10 @@ FrameStatus CameraCheck::process(const Frame& frame, Obstacles& obstacles) {
   current_.mean.evaluate(lattice_, current_.image.view());
   current_.T_odom_base = frame.T_odom_base;
   current_.stamp = frame.stamp;
-  if (calibration_.offer(current_, ring_) && calibration_.confident()) measure(frame.image);
+  // A short drive may end before the estimate is confident: it has its picture all the same.
+  const bool first_look = view_.picture.empty();
+  if (calibration_.offer(current_, ring_) && (calibration_.confident() || first_look))
+    measure(frame.image);
   ring_.offer(current_);
   return FrameStatus::NoReference;
 }

@@ -24,6 +24,9 @@ TEST(ClockJump, IsOneResetAndTheSecondPassIsLikeTheFirst) {
   topics.tellTf();
   ASSERT_TRUE(waitForPublishers(obstacles, maps, forgetful));
   ASSERT_TRUE(topics.waitForListeners());
+  // A mapper advertises its map before it subscribes; it reports once it does both.
+  for (const char* mapper : {"mapper", "forgetful"})
+    ASSERT_TRUE(waitFor([&] { return !diagnostics.sentences[mapper].empty(); })) << mapper;
 
   // The robot drives until the end: the last frame is answered, and all before it are.
   const auto answered = [&](unsigned frame) {
