@@ -57,7 +57,10 @@ class Mapper : public StageNodelet {
     if (const Refusal refusal = map_frame_->place(input.view.odom_frame, input.header.stamp,
                                                   map_->geometry().empty(), T_map_odom))
       return monitor().dropped("other_frame", *refusal);
-    if (order_.judge(input.header.stamp) == StampVerdict::Jump) onClockJump();
+    const StampVerdict verdict = order_.judge(input.header.stamp);
+    if (verdict == StampVerdict::Late)
+      return monitor().dropped("out_of_order", "obstacles are not newer than the ones before them");
+    if (verdict == StampVerdict::Jump) onClockJump();
     if (answer_.age > 0.0F) return monitor().skipped("remembered");
     if (localized_->update(answer_, T_map_odom)) monitor().count("corrections");
     outputs_->setHeader(map_frame_->name(), input.header.stamp);

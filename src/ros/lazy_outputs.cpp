@@ -3,8 +3,19 @@
 #include <boost/make_shared.hpp>
 
 #include "ipm_mapping/ros/images.hpp"
+#include "ipm_mapping/ros/wiring.hpp"
 
 namespace ipm_mapping {
+
+void LazyOutputs::update() {
+  bool wanted = false;
+  for (const auto& each : publishers_) wanted = wanted || each.getNumSubscribers() > 0;
+  for (const auto& each : pictures_) wanted = wanted || each.getNumSubscribers() > 0;
+  if (wanted == awake_) return;
+  awake_ = wanted;
+  const auto lock = wiringLock();
+  change_(wanted);
+}
 
 void publishPicture(const image_transport::Publisher& publisher, GrayView picture,
                     const std_msgs::Header& header) {

@@ -1,5 +1,7 @@
 #include "ipm_mapping/ros/stage_nodelet.hpp"
 
+#include "ipm_mapping/ros/wiring.hpp"
+
 namespace ipm_mapping {
 
 void StageNodelet::onInit() {
@@ -9,6 +11,7 @@ void StageNodelet::onInit() {
 
 void StageNodelet::startOrStayIdle() {
   try {
+    const auto lock = wiringLock();
     monitor_ = std::make_unique<StageMonitor>(node(), privateNode(), getName());
     start();
   } catch (const std::exception& error) {

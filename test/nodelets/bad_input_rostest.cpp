@@ -176,6 +176,18 @@ TEST_F(BadInput, MessagesOfAStageThatContradictThemselvesAreDropped) {
   expectTheChainToWork();
 }
 
+TEST_F(BadInput, AnswersThatArriveTwiceCountOnce) {
+  ros::Publisher answers = node_.advertise<ObstacleArray>("/camera/obstacles", 10);
+  ASSERT_TRUE(waitFor([&] { return answers.getNumSubscribers() > 1; }));
+  expectTheChainToWork();
+  const ObstacleArrayConstPtr newest = obstacles_.all.back();
+  EXPECT_TRUE(waitFor([&] { return diagnostics_.value("mapper", "used") >= 10; }));
+  const double before = std::max(0.0, diagnostics_.value("mapper", "dropped_out_of_order"));
+  answers.publish(newest);
+  EXPECT_TRUE(waitFor(
+      [&] { return diagnostics_.value("mapper", "dropped_out_of_order") == before + 1.0; }));
+}
+
 }  // namespace
 }  // namespace ipm_mapping
 

@@ -34,14 +34,7 @@ class LazyOutputs {
   [[nodiscard]] bool awake() const { return awake_; }
 
  private:
-  void update() {
-    bool wanted = false;
-    for (const auto& each : publishers_) wanted = wanted || each.getNumSubscribers() > 0;
-    for (const auto& each : pictures_) wanted = wanted || each.getNumSubscribers() > 0;
-    if (wanted == awake_) return;
-    awake_ = wanted;
-    change_(wanted);
-  }
+  void update();
 
   std::function<void(bool)> change_;
   std::vector<ros::Publisher> publishers_;
