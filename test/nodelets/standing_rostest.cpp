@@ -198,6 +198,28 @@ TEST_F(Standing, OdomRefinedHasFramesStampsAndACovarianceThatHoldsTheError) {
   }
 }
 
+TEST_F(Standing, AnswersArePlacedWhereThePosesParameterSays) {
+  const auto poses =
+      ros::param::param<std::string>("/camera/detector/floor_odometry/poses", "odometry");
+  double apart = 0.0;
+  for (const auto& answer : obstacles->all) {
+    const auto same = std::find_if(refined->all.begin(), refined->all.end(), [&](const auto& pose) {
+      return pose->header.stamp == answer->header.stamp;
+    });
+    ASSERT_NE(same, refined->all.end());
+    const SE2 floor = toSE2((*same)->pose.pose);
+    SE2 wheels = truth(frameOf(*answer));
+    wheels.x *= wheel_scale;
+    wheels.y *= wheel_scale;
+    const SE2& expected = poses == "refined" ? floor : wheels;
+    EXPECT_NEAR(answer->view.pose.x, expected.x, 1e-4);
+    EXPECT_NEAR(answer->view.pose.y, expected.y, 1e-4);
+    EXPECT_NEAR(answer->view.pose.theta, expected.theta, 1e-4);
+    apart = std::max(apart, std::hypot(floor.x - wheels.x, floor.y - wheels.y));
+  }
+  EXPECT_GT(apart, 0.01) << "the two have to differ for this to say something";
+}
+
 }  // namespace
 }  // namespace ipm_mapping
 
