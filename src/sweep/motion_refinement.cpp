@@ -2,7 +2,10 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
+
+#include "ipm_mapping/kernels/sweep_costs.hpp"
 
 namespace ipm_mapping::sweep {
 namespace {
@@ -16,27 +19,17 @@ constexpr double converged = 5e-5;      // metres and radians
 constexpr double linear_within = 0.03;  // camera heights, radians: beyond it positions are redone
 constexpr int margin = 3;               // rows that a sample keeps from the edge of the view
 
-/// Grey level between pixels and its slopes there.
-struct Patch {
-  float value, by_row, by_line;
-};
-
-Patch patchAt(const Image<std::uint8_t>& image, float row, float line) {
-  const float r = std::clamp(row, 0.0F, static_cast<float>(image.width()) - 1.01F);
-  const float l = std::clamp(line, 0.0F, static_cast<float>(image.height()) - 1.01F);
-  const int ir = static_cast<int>(r), il = static_cast<int>(l);
-  const float a = r - static_cast<float>(ir), b = l - static_cast<float>(il);
-  const std::uint8_t* p = image.row(il) + ir;
-  const std::uint8_t* q = p + image.width();
-  const auto p0 = static_cast<float>(p[0]), p1 = static_cast<float>(p[1]);
-  const auto q0 = static_cast<float>(q[0]), q1 = static_cast<float>(q[1]);
-  const float here = p0 + a * (p1 - p0), next = q0 + a * (q1 - q0);
-  return {here + b * (next - here), (p1 - p0) + b * ((q1 - q0) - (p1 - p0)), next - here};
-}
-
-double tukeyWeight(double e, double limit) {
-  const double share = e / limit, rest = 1.0 - share * share;
-  return rest > 0.0 ? rest * rest : 0.0;
+/// Normal equations of the kernels in the units of the solution: gains in 1 / gain_scale.
+void unpack(const double* sums, double gain, Eigen::Matrix<double, 5, 5>& A,
+            Eigen::Matrix<double, 5, 1>& b) {
+  const double* upper = sums + 5;
+  const Eigen::Matrix<double, 5, 1> unit(
+      (Eigen::Matrix<double, 5, 1>() << gain, gain, gain, 1.0 / gain_scale, 1.0).finished());
+  for (int row = 0; row < 5; ++row) {
+    b[row] = unit[row] * sums[row];
+    for (int column = row; column < 5; ++column, ++upper)
+      A(row, column) = A(column, row) = unit[row] * unit[column] * *upper;
+  }
 }
 
 }  // namespace
@@ -101,108 +94,137 @@ void MotionRefinement::configure(const PolarGrid& grid, const std::vector<RowRan
   foot_ = camera_foot;
   parameters_ = parameters;
   points_.clear();
+  x_.clear();
+  y_.clear();
   floor_begin_.assign(static_cast<std::size_t>(grid.lines), 0);
   const int first = std::max(0, static_cast<int>(grid.row(grid.height * parameters.farthest)));
   for (int line = 1; line < grid.lines - 1; line += parameters.line_step) {
     const RowRange range = rows[static_cast<std::size_t>(line)];
     for (int row = std::max(first, range.begin); row < range.end; row += parameters.row_step) {
       const double azimuth = grid.azimuth(line), distance = grid.distance(row);
-      points_.push_back({row, line, distance * std::cos(azimuth), distance * std::sin(azimuth)});
+      points_.push_back({row, line});
+      x_.push_back(static_cast<float>(distance * std::cos(azimuth)));
+      y_.push_back(static_cast<float>(distance * std::sin(azimuth)));
     }
   }
-  samples_.reserve(points_.size());
-  deviations_.reserve(points_.size());
+  x_.resize(points_.size() + kernels::overrun);
+  y_.resize(x_.size());
+  samples_.resize(x_.size());
 }
 
-/// Position of a floor point in the reference and how it moves with the motion:
-///   d row  = -rows_per_log   (p . dp) / |p|^2,
-///   d line = -lines_per_rad  (p x dp) / |p|^2,   dp/dx = (1,0), dp/dy = (0,1), dp/dtheta = R' X.
-bool MotionRefinement::linearizeOne(const FloorPoint& point, const FootMotion& motion,
-                                    const RectifiedFrame& reference, Sample& s) const {
-  const Eigen::Vector2d p = motion * Eigen::Vector2d(point.x, point.y);
-  const double d2 = p.squaredNorm();
-  const double row = grid_.rowOfSquared(d2), line = grid_.line(std::atan2(p.y(), p.x()));
-  if (!(line >= 1.0 && line < grid_.lines - 3.0)) return false;
+void MotionRefinement::Samples::resize(std::size_t n) {
+  for (auto* array :
+       {&row, &line, &current, &current_high, &reference_mean, &warped, &warped_high, &deviation})
+    array->assign(n, 0.0F);
+  for (auto* arrays : {&d_row, &d_line, &gradient})
+    for (auto& array : *arrays) array.assign(n, 0.0F);
+}
+
+void MotionRefinement::Samples::move(std::size_t from, std::size_t to) {
+  row[to] = row[from];
+  line[to] = line[from];
+  for (std::size_t k = 0; k < 3; ++k) {
+    d_row[k][to] = d_row[k][from];
+    d_line[k][to] = d_line[k][from];
+  }
+}
+
+kernels::SamplePositions MotionRefinement::Samples::positions() {
+  return {row.data(),
+          line.data(),
+          {d_row[0].data(), d_row[1].data(), d_row[2].data()},
+          {d_line[0].data(), d_line[1].data(), d_line[2].data()}};
+}
+
+/// Is what is seen around a position of the reference well inside its view?
+bool MotionRefinement::inView(float row, float line) const {
+  if (!(line >= 1.0F && line < static_cast<float>(grid_.lines - 3))) return false;
   const RowRange range = intersection(rows_[static_cast<std::size_t>(line)],
                                       rows_[static_cast<std::size_t>(line) + 1]);
-  if (!(row >= range.begin + margin && row < range.end - margin - 1)) return false;
-  const double X = foot_.x() + point.x, Y = foot_.y() + point.y;
-  const Eigen::Vector2d turned(-motion.s * X - motion.c * Y, motion.c * X - motion.s * Y);
-  const Eigen::Vector3d along(p.x(), p.y(), p.dot(turned));
-  const Eigen::Vector3d across(-p.y(), p.x(), p.x() * turned.y() - p.y() * turned.x());
-  s.row = static_cast<float>(row);
-  s.line = static_cast<float>(line);
-  for (int k = 0; k < 3; ++k) {
-    s.d_row[k] = static_cast<float>(-grid_.rows_per_log * along[k] / d2);
-    s.d_line[k] = static_cast<float>(-grid_.lines_per_radian * across[k] / d2);
-  }
-  s.reference_mean = reference.mean.at(s.row, s.line);
-  return true;
+  return row >= static_cast<float>(range.begin + margin) &&
+         row < static_cast<float>(range.end - margin - 1);
 }
 
+/// Where the floor points are seen in the reference, and how that moves with the motion; what both
+/// frames see becomes the samples.
 void MotionRefinement::linearize(const RectifiedFrame& current, const RectifiedFrame& reference,
                                  const SE2& motion) {
-  const FootMotion foot_motion(motion, foot_);
-  samples_.clear();
-  for (const FloorPoint& point : points_) {
+  kernels::projectFloor(x_.data(), y_.data(), static_cast<int>(points_.size()), projection(motion),
+                        samples_.positions());
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const FloorPoint& point = points_[i];
     if (point.row < floor_begin_[static_cast<std::size_t>(point.line)]) continue;
-    Sample s;
-    if (!linearizeOne(point, foot_motion, reference, s)) continue;
-    s.current = static_cast<float>(current.image.at(point.row, point.line));
-    s.current_mean = current.mean.at(static_cast<float>(point.row), static_cast<float>(point.line));
-    samples_.push_back(s);
+    if (!inView(samples_.row[i], samples_.line[i])) continue;
+    samples_.move(i, n);
+    samples_.reference_mean[n] = reference.mean.at(samples_.row[n], samples_.line[n]);
+    samples_.current[n] = static_cast<float>(current.image.at(point.row, point.line));
+    samples_.current_high[n] =
+        samples_.current[n] -
+        current.mean.at(static_cast<float>(point.row), static_cast<float>(point.line));
+    ++n;
   }
+  samples_.count = static_cast<int>(n);
+}
+
+kernels::FloorProjection MotionRefinement::projection(const SE2& motion) const {
+  const FootMotion foot(motion, foot_);
+  kernels::FloorProjection p;
+  p.c = static_cast<float>(foot.c);
+  p.s = static_cast<float>(foot.s);
+  p.tx = static_cast<float>(foot.tx);
+  p.ty = static_cast<float>(foot.ty);
+  p.foot_x = static_cast<float>(foot_.x());
+  p.foot_y = static_cast<float>(foot_.y());
+  p.rows_per_log = static_cast<float>(grid_.rows_per_log);
+  p.row_at_one = static_cast<float>(grid_.row(1.0));
+  p.lines_per_radian = static_cast<float>(grid_.lines_per_radian);
+  p.line_ahead = static_cast<float>(grid_.line(0.0));
+  return p;
 }
 
 void MotionRefinement::warp(const RectifiedFrame& reference, const Eigen::Vector3d& correction) {
   const Eigen::Vector3f c = correction.cast<float>();
-  for (Sample& s : samples_) {
-    const Patch patch =
-        patchAt(reference.image, s.row + s.d_row[0] * c[0] + s.d_row[1] * c[1] + s.d_row[2] * c[2],
-                s.line + s.d_line[0] * c[0] + s.d_line[1] * c[1] + s.d_line[2] * c[2]);
-    s.warped = patch.value;
-    for (int k = 0; k < 3; ++k)
-      s.gradient[k] = patch.by_row * s.d_row[k] + patch.by_line * s.d_line[k];
-  }
+  kernels::warpSamples(
+      reference.image.view(), samples_.positions(), samples_.reference_mean.data(), c.data(),
+      samples_.count,
+      {samples_.warped.data(),
+       samples_.warped_high.data(),
+       {samples_.gradient[0].data(), samples_.gradient[1].data(), samples_.gradient[2].data()}});
 }
 
-/// Robust standard deviation of the residual, within sane bounds.
-double MotionRefinement::spread(const RefinedMotion& state, bool high_pass) {
-  const auto gain = static_cast<float>(state.photometric.gain);
-  const auto offset = static_cast<float>(state.photometric.offset);
-  deviations_.clear();
-  for (const Sample& s : samples_) {
-    const float a = high_pass ? s.current - s.current_mean : s.current;
-    const float b = high_pass ? s.warped - s.reference_mean : s.warped;
-    deviations_.push_back(std::abs(a - (gain * b + offset)));
-  }
-  const auto middle = deviations_.begin() + static_cast<std::ptrdiff_t>(deviations_.size() / 2);
-  std::nth_element(deviations_.begin(), middle, deviations_.end());
-  return std::clamp(median_to_sigma * static_cast<double>(*middle), least_spread, most_spread);
+kernels::AlignmentResidual MotionRefinement::residual(const Photometric& photometric,
+                                                      bool high_pass) const {
+  return {(high_pass ? samples_.current_high : samples_.current).data(),
+          (high_pass ? samples_.warped_high : samples_.warped).data(),
+          static_cast<float>(photometric.gain), static_cast<float>(photometric.offset),
+          samples_.count};
 }
 
-/// One Gauss-Newton step with the spread of the step before.
+/// Normal equations of the floor, weighed by Tukey; and the residual's robust standard deviation,
+/// within sane bounds.
+void MotionRefinement::normalEquations(RefinedMotion& state, bool high_pass, double limit,
+                                       Matrix5& A, Vector5& b) {
+  const kernels::AlignmentResidual e = residual(state.photometric, high_pass);
+  const std::array<const float*, 3> gradient{
+      samples_.gradient[0].data(), samples_.gradient[1].data(), samples_.gradient[2].data()};
+  std::array<double, kernels::alignment_sums> sums;
+  kernels::alignmentSums(e, gradient.data(), static_cast<float>(limit), sums.data());
+  const float median =
+      kernels::medianDeviation(e, static_cast<float>(most_spread), samples_.deviation.data());
+  state.sigma =
+      std::clamp(median_to_sigma * static_cast<double>(median), least_spread, most_spread);
+  const double information = parameters_.correlation / (state.sigma * state.sigma);
+  for (double& sum : sums) sum *= information;
+  unpack(sums.data(), state.photometric.gain, A, b);
+}
+
+/// One Gauss-Newton step; outliers are judged by the spread of the step before.
 void MotionRefinement::step(const Prior& prior, const SE2& base, Eigen::Vector3d& correction,
                             RefinedMotion& state) {
-  Matrix5 A = Matrix5::Zero();
-  Vector5 b = Vector5::Zero();
-  const double gain = state.photometric.gain, offset = state.photometric.offset;
-  const double limit = tukey * std::max(state.sigma, anneal_);
-  for (const Sample& s : samples_) {
-    const double warped = static_cast<double>(s.warped - s.reference_mean);
-    const double e = static_cast<double>(s.current - s.current_mean) - (gain * warped + offset);
-    const double w = tukeyWeight(e, limit);
-    if (w == 0.0) continue;
-    Vector5 J;
-    J << gain * static_cast<double>(s.gradient[0]), gain * static_cast<double>(s.gradient[1]),
-        gain * static_cast<double>(s.gradient[2]), warped / gain_scale, 1.0;
-    b.noalias() += (w * e) * J;
-    A.noalias() += (w * J) * J.transpose();
-  }
-  state.sigma = spread(state, true);
-  const double information = parameters_.correlation / (state.sigma * state.sigma);
-  A *= information;
-  b *= information;
+  Matrix5 A;
+  Vector5 b;
+  normalEquations(state, true, tukey * std::max(state.sigma, anneal_), A, b);
   prior.add(state.motion, state.photometric, A, b);
   const Eigen::LLT<Matrix5> solver(A);
   const Vector5 delta = solver.solve(b);
@@ -220,23 +242,13 @@ void MotionRefinement::fitBrightness(RefinedMotion& state) {
   state.sigma = first_spread;
   const Prior prior(parameters_, state.motion, 0.0);
   for (int round = 0; round < rounds; ++round) {
-    Eigen::Matrix2d A = Eigen::Matrix2d::Zero();
-    Eigen::Vector2d b = Eigen::Vector2d::Zero();
-    for (const Sample& s : samples_) {
-      const double e =
-          static_cast<double>(s.current) -
-          (state.photometric.gain * static_cast<double>(s.warped) + state.photometric.offset);
-      const double w = tukeyWeight(e, tukey * state.sigma);
-      const Eigen::Vector2d J(static_cast<double>(s.warped) / gain_scale, 1.0);
-      b.noalias() += (w * e) * J;
-      A.noalias() += (w * J) * J.transpose();
-    }
-    state.sigma = spread(state, false);
-    const double information = parameters_.correlation / (state.sigma * state.sigma);
-    A *= information;
-    b *= information;
-    prior.addBrightness(state.photometric, A(0, 0), A(1, 1), b[0], b[1]);
-    const Eigen::Vector2d delta = A.llt().solve(b);
+    Matrix5 A;
+    Vector5 b;
+    normalEquations(state, false, tukey * state.sigma, A, b);
+    prior.addBrightness(state.photometric, A(3, 3), A(4, 4), b[3], b[4]);
+    const Eigen::Matrix2d brightness = A.bottomRightCorner<2, 2>();
+    const Eigen::Vector2d right_side = b.tail<2>();
+    const Eigen::Vector2d delta = brightness.llt().solve(right_side);
     state.photometric.gain += delta[0] / gain_scale;
     state.photometric.offset += delta[1];
   }
@@ -253,7 +265,7 @@ RefinedMotion MotionRefinement::refine(const RectifiedFrame& current,
   Eigen::Vector3d correction = Eigen::Vector3d::Zero();
   linearize(current, reference, base);
   warp(reference, correction);
-  state.samples = static_cast<int>(samples_.size());
+  state.samples = samples_.count;
   if (state.samples < parameters_.min_samples) {
     state.motion = odometry;
     return state;
@@ -268,7 +280,7 @@ RefinedMotion MotionRefinement::refine(const RectifiedFrame& current,
       base = state.motion;
       correction.setZero();
       linearize(current, reference, base);
-      if (static_cast<int>(samples_.size()) < parameters_.min_samples) break;
+      if (samples_.count < parameters_.min_samples) break;
       warp(reference, correction);
       continue;
     }

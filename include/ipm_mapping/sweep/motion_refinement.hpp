@@ -1,11 +1,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <vector>
 
 #include "ipm_mapping/geometry/se2.hpp"
 #include "ipm_mapping/image_view.hpp"
+#include "ipm_mapping/kernels/sweep_alignment.hpp"
 #include "ipm_mapping/sweep/floor_cost.hpp"
 #include "ipm_mapping/sweep/foot_motion.hpp"
 #include "ipm_mapping/sweep/local_mean.hpp"
@@ -58,25 +60,33 @@ class MotionRefinement {
   /// A fixed floor point of the current view.
   struct FloorPoint {
     int row, line;
-    double x, y;  // around the camera's foot
   };
   /// The same while two frames are aligned: position in the reference is linear in the correction.
-  struct Sample {
-    float current, current_mean, reference_mean;
-    float row, line;            // in the reference, at the linearisation point
-    float d_row[3], d_line[3];  // by x, y, theta
-    float gradient[3];          // of the reference's grey level by x, y, theta
-    float warped;
+  struct Samples {
+    using Array = std::vector<float>;
+    int count = 0;
+    Array row, line;                              // in the reference, at the linearisation point
+    std::array<Array, 3> d_row, d_line;           // by x, y, theta
+    Array current, current_high, reference_mean;  // high: without the local mean
+    Array warped, warped_high;                    // of the reference
+    std::array<Array, 3> gradient;                // of its grey level by x, y, theta
+    Array deviation;
+
+    void resize(std::size_t n);
+    void move(std::size_t from, std::size_t to);
+    kernels::SamplePositions positions();
   };
   using Vector5 = Eigen::Matrix<double, 5, 1>;
   using Matrix5 = Eigen::Matrix<double, 5, 5>;
   struct Prior;
 
   void linearize(const RectifiedFrame& current, const RectifiedFrame& reference, const SE2& motion);
-  bool linearizeOne(const FloorPoint& point, const FootMotion& foot,
-                    const RectifiedFrame& reference, Sample& sample) const;
+  [[nodiscard]] kernels::FloorProjection projection(const SE2& motion) const;
+  [[nodiscard]] bool inView(float row, float line) const;
   void warp(const RectifiedFrame& reference, const Eigen::Vector3d& correction);
-  double spread(const RefinedMotion& state, bool high_pass);
+  [[nodiscard]] kernels::AlignmentResidual residual(const Photometric& photometric,
+                                                    bool high_pass) const;
+  void normalEquations(RefinedMotion& state, bool high_pass, double limit, Matrix5& A, Vector5& b);
   void step(const Prior& prior, const SE2& base, Eigen::Vector3d& correction, RefinedMotion& state);
   void fitBrightness(RefinedMotion& state);
 
@@ -87,8 +97,8 @@ class MotionRefinement {
   double anneal_ = 0.0;
   std::vector<FloorPoint> points_;
   std::vector<int> floor_begin_;
-  std::vector<Sample> samples_;
-  std::vector<float> deviations_;
+  std::vector<float> x_, y_;  // of the points, around the camera's foot
+  Samples samples_;
 };
 
 }  // namespace ipm_mapping::sweep
