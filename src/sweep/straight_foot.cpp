@@ -8,13 +8,13 @@
 namespace ipm_mapping::sweep {
 namespace {
 
-constexpr int widest_gap = 5;         // beams within a run that may lack a contact on its line
-constexpr std::size_t settled = 4;    // contacts after which a line is as good as its tolerance
-constexpr double unsettled = 1.5;     // times the tolerance before
-constexpr double other_thing = 3.0;   // candidates off the line
-constexpr int most_missed = 1;        // beams in a row where the edge may be gone
-constexpr float edge_memory = 0.8F;   // contrast changes slowly along an edge
-constexpr int edge_rows = 2;          // rows in front of an edge that it blurs
+constexpr int widest_gap = 5;        // beams within a run that may lack a contact on its line
+constexpr std::size_t settled = 4;   // contacts after which a line is as good as its tolerance
+constexpr double unsettled = 1.5;    // times the tolerance before
+constexpr double other_thing = 3.0;  // candidates off the line
+constexpr int most_missed = 1;       // beams in a row where the edge may be gone
+constexpr float edge_memory = 0.8F;  // contrast changes slowly along an edge
+constexpr int edge_rows = 2;         // rows on either side of an edge that it blurs
 
 /// Strongest change within a row of a contact, signed.
 float contrastAt(const CurrentView& current, const VerticalSweep& sweep, int beam,
@@ -51,13 +51,13 @@ void StraightFoot::configure(const VerticalSweep& sweep, double height,
   height_ = height;
   first_r_ = sweep.r(0.0);
   candidates_per_log_ = 1.0 / std::log(sweep.r(1.0) / first_r_);
-  support_rows_ = static_cast<int>(
-      std::lround(-std::log(1.0 - parameters.foot_support) * candidates_per_log_));
+  support_rows_ =
+      static_cast<int>(std::lround(-std::log(1.0 - parameters.foot_support) * candidates_per_log_));
   direction_.clear();
   for (int beam = 0; beam < sweep.beams(); ++beam)
     direction_.emplace_back(std::cos(sweep.azimuth(beam)), std::sin(sweep.azimuth(beam)));
   run_.reserve(direction_.size());
-  evidence_.resize(direction_.size());
+  contacts_behind_.resize(direction_.size());
   continued_.resize(direction_.size());
 }
 
@@ -131,6 +131,17 @@ bool StraightFoot::floorInFront(const Scene& scene, int beam, int row) const {
   return true;
 }
 
+/// Floor in front, and behind the edge nothing that only floor explains. The rows that the edge
+/// itself blurs say nothing about that.
+bool StraightFoot::mayStand(const Scene& scene, int beam, int candidate) const {
+  const int row = static_cast<int>(scene.sweep.sweepRow(candidate));
+  if (!floorInFront(scene, beam, row)) return false;
+  scene.sweep.aimBeam(scene.references, scene.count, beam);
+  return scene.sweep.evidence(scene.current, scene.references, scene.count, beam, candidate,
+                              {row - support_rows_, row - edge_rows + 1}) >=
+         -parameters_.foot_doubt;
+}
+
 /// The edge near an expected candidate, as a contact; nothing where it is not the run's.
 BeamChoice StraightFoot::footAt(const Scene& scene, const Run& run, int beam, double expected,
                                 float contrast) const {
@@ -153,12 +164,7 @@ BeamChoice StraightFoot::footAt(const Scene& scene, const Run& run, int beam, do
     if (share > most) most = share, best = c;
   }
   const auto least = static_cast<float>(parameters_.foot_share);
-  if (most < least || most * least > 1.0F || !floorInFront(scene, beam, first_row + best))
-    return foot;
-  scene.sweep.aimBeam(scene.references, scene.count, beam);
-  if (scene.sweep.evidence(scene.current, scene.references, scene.count, beam, best,
-                           support_rows_) < -parameters_.foot_doubt)
-    return foot;
+  if (most < least || most * least > 1.0F || !mayStand(scene, beam, best)) return foot;
   const float before = along(best - 1), after = along(best + 1);
   const float bend = before - 2.0F * most + after;
   foot.candidate = static_cast<float>(best);
@@ -193,9 +199,9 @@ void StraightFoot::walk(const Scene& scene, const Run& run, int side) {
     line.add(direction_[i], scene.sweep.r(foot.candidate));
     contrast = edge_memory * contrast +
                (1.0F - edge_memory) * contrastAt(scene.current, scene.sweep, beam, foot);
-    if (contacts <= evidence_[i]) continue;
+    if (contacts <= contacts_behind_[i]) continue;
     continued_[i] = foot;
-    evidence_[i] = contacts;
+    contacts_behind_[i] = contacts;
   }
 }
 
@@ -203,7 +209,7 @@ void StraightFoot::complete(const CurrentView& current, const SweepReference* re
                             VerticalSweep& sweep, std::vector<BeamChoice>& choices) {
   if (parameters_.foot_reach <= 0.0 || choices.size() != direction_.size()) return;
   const Scene scene{current, references, count, sweep, choices};
-  std::fill(evidence_.begin(), evidence_.end(), 0);
+  std::fill(contacts_behind_.begin(), contacts_behind_.end(), 0);
   const int beams = static_cast<int>(choices.size());
   for (int beam = 0; beam < beams; ++beam) {
     Run run;
@@ -213,7 +219,7 @@ void StraightFoot::complete(const CurrentView& current, const SweepReference* re
     beam = run_.back() - 1;  // the end of one face may begin the next
   }
   for (std::size_t i = 0; i < choices.size(); ++i)
-    if (evidence_[i] > 0) choices[i] = continued_[i];
+    if (contacts_behind_[i] > 0) choices[i] = continued_[i];
 }
 
 }  // namespace ipm_mapping::sweep

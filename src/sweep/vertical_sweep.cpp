@@ -209,11 +209,9 @@ float VerticalSweep::leaningScore(const CurrentView& current, const SweepReferen
 }
 
 float VerticalSweep::evidence(const CurrentView& current, const SweepReference* references,
-                              int count, int beam, int candidate, int height) {
+                              int count, int beam, int candidate, RowRange part) {
   count = std::min(count, max_references);
-  const int contact = first_row_ + candidate;
-  const RowRange support = intersection(rows(beam), {contact - height, contact + 1});
-  if (support.size() == 0) return std::numeric_limits<float>::lowest();
+  const RowRange support = intersection(rows(beam), part);
   aim(current, references, count, beam, candidate, support);
   std::fill_n(gain_.begin(), support.size() + kernels::overrun, 0);
   int compared = 0;
@@ -232,7 +230,8 @@ float VerticalSweep::evidence(const CurrentView& current, const SweepReference* 
                                 row_weight_.data() + path.begin, floor_cap_, prior_, n,
                                 gain_.data());
   }
-  if (2 * compared < height * count) return std::numeric_limits<float>::lowest();
+  if (compared == 0 || 2 * compared < part.size() * count)
+    return std::numeric_limits<float>::lowest();
   std::int32_t sum = 0;
   for (int i = 0; i < support.size(); ++i) sum += gain_[static_cast<std::size_t>(i)];
   return static_cast<float>(sum) / static_cast<float>(kernels::cost_unit * count);

@@ -22,10 +22,10 @@ class FloorLine {
   Eigen::Vector2d line_ = Eigen::Vector2d::Zero();
 };
 
-/// A plain face gives no parallax: it is found at its ends and at patches. But it is straight at the
-/// foot, and its foot is an edge of the image. A run of contacts on one straight line is continued
-/// from both its ends, beam by beam, by at most `foot_reach` of its length. A beam without a contact
-/// gets one where, within `foot_window` of the line,
+/// A plain face gives no parallax: it is found at its ends and at patches. But it is straight at
+/// the foot, and its foot is an edge of the image. A run of contacts on one straight line is
+/// continued from both its ends, beam by beam, by at most `foot_reach` of its length. A beam
+/// without a contact gets one where, within `foot_window` of the line,
 ///   sign g is the run's and foot_share < g / g_run < 1 / foot_share,
 /// g the change of the beam's mean grey level along the line, g_run what it was along the edge so
 /// far, unless
@@ -64,6 +64,7 @@ class StraightFoot {
   void walk(const Scene& scene, const Run& run, int side);
   BeamChoice footAt(const Scene& scene, const Run& run, int beam, double expected,
                     float contrast) const;
+  bool mayStand(const Scene& scene, int beam, int candidate) const;
   bool floorInFront(const Scene& scene, int beam, int row) const;
   [[nodiscard]] double candidateOf(double r) const;
   [[nodiscard]] Eigen::Vector2d point(int beam, double r) const;
@@ -74,7 +75,7 @@ class StraightFoot {
   int support_rows_ = 0;
   std::vector<Eigen::Vector2d> direction_;  // of every beam
   std::vector<int> run_;                    // beams of the run at hand
-  std::vector<int> evidence_;               // contacts of the run that continued_ is by
+  std::vector<int> contacts_behind_;        // of the run that continued_ is by
   std::vector<BeamChoice> continued_;
 };
 

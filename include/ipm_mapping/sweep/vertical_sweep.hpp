@@ -52,11 +52,11 @@ class VerticalSweep {
   float leaningScore(const CurrentView& current, const SweepReference* references, int count,
                      int beam, int candidate, double lean, float least_score, std::int16_t& top);
 
-  /// Evidence for an upright surface at a candidate, summed over the `height` rows above its foot
-  /// whatever its sign: negative where the floor's own texture goes on there. The lowest number
-  /// where less than half of the rows can be compared. Needs aimBeam().
+  /// Evidence for an upright surface at a candidate, summed over a part of the sweep rows whatever
+  /// its sign: negative where the floor's own texture goes on there. The lowest number where less
+  /// than half of the rows can be compared. Needs aimBeam().
   float evidence(const CurrentView& current, const SweepReference* references, int count, int beam,
-                 int candidate, int height);
+                 int candidate, RowRange part);
 
   [[nodiscard]] int beams() const { return beams_; }
   [[nodiscard]] int candidates() const { return candidates_; }
