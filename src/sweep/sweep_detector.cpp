@@ -108,11 +108,11 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
     selection_.select(scores_, choices_);
     leaning_.refine(view, views_.data(), reference_count_, sweep_, scores_, choices_);
     edge_.refine(view, sweep_, scores_, choices_);
+    maskFloor();  // by the sweep's own contacts: a guess must not lead to the next one
     lap("bearing_selection");
     straight_foot_.complete(view, views_.data(), reference_count_, sweep_, choices_);
     lap("straight_foot");
     fillObstacles(obstacles);
-    maskFloor();
     lap("answer");
   }
   T_odom_last_ = current_.T_odom_base;

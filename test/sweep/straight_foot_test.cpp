@@ -189,10 +189,13 @@ TEST_F(Foot, SomethingElseInTheWayEndsTheWalk) {
   EXPECT_EQ(found(19, sweep.beams() - 1), 0);
 }
 
-TEST_F(Foot, AFewContactsAreNoRun) {
-  contacts(20, 22);
+TEST_F(Foot, AShortRunHasNoDirection) {
+  contacts(20, 22);  // four centimetres
   complete();
   EXPECT_EQ(found(0, sweep.beams() - 1), 3);
+  parameters.foot_length = 0.0;
+  complete();
+  EXPECT_GT(found(0, sweep.beams() - 1), 3);
 }
 
 TEST_F(Foot, ARoundThingIsNotContinued) {

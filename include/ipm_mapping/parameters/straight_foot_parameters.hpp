@@ -7,8 +7,8 @@ namespace ipm_mapping::sweep {
 /// Contacts along the straight foot of a plain face.
 struct StraightFootParameters {
   double foot_reach = 2.0;
-  double foot_length = 0.15;
-  int foot_beams = 4;
+  double foot_length = 0.2;
+  int foot_beams = 3;
   double foot_tolerance = 1.5;
   int foot_window = 2;
   double foot_contrast = 6.0;
