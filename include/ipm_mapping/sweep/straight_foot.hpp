@@ -32,7 +32,8 @@ class FloorLine {
 ///   sum over rows of foot_support of w (F - V - prior) < -foot_doubt:
 /// behind a line that is only painted on the floor (or a joint, a shadow) the floor's texture goes
 /// on, and an upright surface does not explain it; or unless what lies in front is not floor. The
-/// walk ends at a contact of something else.
+/// walk ends at a contact of something else. Such a contact scores `foot_score` of the run's
+/// lowest, is as high as the run's lowest, and as sure of its range as a flat maximum.
 class StraightFoot {
  public:
   void configure(const VerticalSweep& sweep, double height, const SelectionParameters& selection,
