@@ -6,10 +6,8 @@
 #include "ipm_mapping/kernels/sweep_costs.hpp"
 
 namespace ipm_mapping::sweep {
-namespace {
 
-/// Half the difference of the beam's mean grey level one row nearer and one row farther.
-float change(const CurrentView& current, int first_line, int row) {
+float edgeContrast(const CurrentView& current, int first_line, int row) {
   std::int32_t sum = 0;
   for (int line = first_line; line < first_line + kernels::beam_lines; ++line) {
     const std::int16_t* grey = current.grey.row(line);
@@ -17,8 +15,6 @@ float change(const CurrentView& current, int first_line, int row) {
   }
   return static_cast<float>(sum) / (2.0F * kernels::beam_lines * kernels::grey_unit);
 }
-
-}  // namespace
 
 void ContactEdge::configure(const SelectionParameters& parameters) {
   parameters_ = parameters;
@@ -38,7 +34,7 @@ void ContactEdge::refineOne(const CurrentView& current, const VerticalSweep& swe
   const auto gain = static_cast<float>(parameters_.edge_score);
   const auto half = static_cast<float>(parameters_.edge_contrast * parameters_.edge_contrast);
   for (int c = from; c <= to; ++c) {
-    const float g = change(current, sweep.firstLine(beam), first_row + c);
+    const float g = edgeContrast(current, sweep.firstLine(beam), first_row + c);
     merit_[static_cast<std::size_t>(c - from)] = score[c] + gain * g * g / (g * g + half);
   }
   const auto end = merit_.begin() + (to - from + 1);

@@ -14,7 +14,7 @@ double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-constexpr int expected_stages = 8;
+constexpr int expected_stages = 10;
 
 }  // namespace
 
@@ -54,6 +54,7 @@ void SweepDetector::configure(const CameraPose& T_base_camera) {
   leaning_.configure(parameters_.selection);
   free_floor_.configure(parameters_.selection);
   edge_.configure(parameters_.selection);
+  straight_foot_.configure(sweep_, grid_.height, parameters_.selection, parameters_.foot);
   ring_.configure(grid_, parameters_.reference);
   current_.image.resize(grid_.rows, grid_.lines);
   current_grey_.resize(grid_.sweepRows(), grid_.lines);
@@ -107,9 +108,12 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
     selection_.select(scores_, choices_);
     leaning_.refine(view, views_.data(), reference_count_, sweep_, scores_, choices_);
     edge_.refine(view, sweep_, scores_, choices_);
-    fillObstacles(obstacles);
-    maskFloor();
+    maskFloor();  // by the sweep's own contacts: a guess must not lead to the next one
     lap("bearing_selection");
+    straight_foot_.complete(view, views_.data(), reference_count_, sweep_, choices_);
+    lap("straight_foot");
+    fillObstacles(obstacles);
+    lap("answer");
   }
   T_odom_last_ = current_.T_odom_base;
   T_floor_last_ = current_.T_floor_base;

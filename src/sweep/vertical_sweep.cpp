@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace ipm_mapping::sweep {
 namespace {
@@ -57,6 +58,7 @@ void VerticalSweep::configure(const PolarGrid& grid, const std::vector<RowRange>
   potential_.resize(bound_.size());
   gain_.resize(bound_.size() + kernels::overrun);
   no_vertical_cost_.assign(gain_.size(), 0);
+  vertical_cost_.resize(gain_.size());
   for (auto& places : places_) places.resize(static_cast<std::size_t>(candidates_));
 }
 
@@ -204,6 +206,35 @@ float VerticalSweep::leaningScore(const CurrentView& current, const SweepReferen
   const auto least =
       static_cast<std::int32_t>(least_score * static_cast<float>(kernels::cost_unit * count));
   return scoreOf(current, references, count, beam, candidate, lean, least, top);
+}
+
+float VerticalSweep::evidence(const CurrentView& current, const SweepReference* references,
+                              int count, int beam, int candidate, RowRange part) {
+  count = std::min(count, max_references);
+  const RowRange support = intersection(rows(beam), part);
+  aim(current, references, count, beam, candidate, support);
+  std::fill_n(gain_.begin(), support.size() + kernels::overrun, 0);
+  int compared = 0;
+  for (std::size_t q = 0; q < static_cast<std::size_t>(count); ++q) {
+    const kernels::EvidencePath& path = paths_[q];
+    const int n = path.end - path.begin;
+    if (n <= 0) continue;
+    compared += n;
+    kernels::VerticalPath v = path.vertical;
+    v.current += path.begin;
+    v.weight += path.begin;
+    v.upper += path.begin;
+    v.lower += path.begin;
+    kernels::verticalCost(v, n, vertical_cost_.data());
+    kernels::accumulateEvidence(path.floor + path.begin, vertical_cost_.data(),
+                                row_weight_.data() + path.begin, floor_cap_, prior_, n,
+                                gain_.data());
+  }
+  if (compared == 0 || 2 * compared < part.size() * count)
+    return std::numeric_limits<float>::lowest();
+  std::int32_t sum = 0;
+  for (int i = 0; i < support.size(); ++i) sum += gain_[static_cast<std::size_t>(i)];
+  return static_cast<float>(sum) / static_cast<float>(kernels::cost_unit * count);
 }
 
 /// Scores of one beam. Maxima are wider than search_step: between two evaluated candidates only the

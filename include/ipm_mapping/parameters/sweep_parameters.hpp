@@ -3,6 +3,7 @@
 // heights; costs are in squared standard deviations of the grey-level noise.
 
 #include "ipm_mapping/parameters/field.hpp"
+#include "ipm_mapping/parameters/straight_foot_parameters.hpp"
 
 namespace ipm_mapping::sweep {
 
@@ -298,6 +299,7 @@ struct SweepParameters {
   NoiseParameters noise;
   EvidenceParameters evidence;
   SelectionParameters selection;
+  StraightFootParameters foot;
   CalibrationUncertainty uncertainty;
 
   template <class Self, class Visitor>
@@ -308,6 +310,7 @@ struct SweepParameters {
     NoiseParameters::fields(self.noise, field);
     EvidenceParameters::fields(self.evidence, field);
     SelectionParameters::fields(self.selection, field);
+    StraightFootParameters::fields(self.foot, field);
     CalibrationUncertainty::fields(self.uncertainty, field);
   }
 };

@@ -8,6 +8,9 @@
 
 namespace ipm_mapping::sweep {
 
+/// g: half the difference of a beam's mean grey level one sweep row nearer and one row farther.
+[[nodiscard]] float edgeContrast(const CurrentView& current, int first_line, int row);
+
 /// The foot of an obstacle is an edge of the image. At the contact itself there is no parallax, so
 /// the sweep's score is flat there, and it falls more steeply towards the robot: its maximum lies
 /// up to a row too far. Among the candidates around it the edge decides,

@@ -17,6 +17,7 @@
 #include "ipm_mapping/sweep/reference_ring.hpp"
 #include "ipm_mapping/sweep/self_calibration.hpp"
 #include "ipm_mapping/sweep/specular_cost.hpp"
+#include "ipm_mapping/sweep/straight_foot.hpp"
 #include "ipm_mapping/sweep/vertical_sweep.hpp"
 
 namespace ipm_mapping::sweep {
@@ -96,6 +97,7 @@ class SweepDetector : public Detector {
   BearingSelection selection_;
   LeaningSurface leaning_;
   ContactEdge edge_;
+  StraightFoot straight_foot_;
   FreeFloor free_floor_;
   ReferenceRing ring_;
   BlockLattice lattice_;

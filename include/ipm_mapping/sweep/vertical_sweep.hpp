@@ -52,6 +52,12 @@ class VerticalSweep {
   float leaningScore(const CurrentView& current, const SweepReference* references, int count,
                      int beam, int candidate, double lean, float least_score, std::int16_t& top);
 
+  /// Evidence for an upright surface at a candidate, summed over a part of the sweep rows whatever
+  /// its sign: negative where the floor's own texture goes on there. The lowest number where less
+  /// than half of the rows can be compared. Needs aimBeam().
+  float evidence(const CurrentView& current, const SweepReference* references, int count, int beam,
+                 int candidate, RowRange part);
+
   [[nodiscard]] int beams() const { return beams_; }
   [[nodiscard]] int candidates() const { return candidates_; }
   [[nodiscard]] int firstLine(int beam) const { return beam * beam_step_; }
@@ -98,7 +104,7 @@ class VerticalSweep {
   std::vector<std::int32_t> bound_;       // most that a support ending at a row can gain
   std::vector<std::int32_t> potential_;   // sum of what the rows before a row could gain
   std::vector<std::int32_t> gain_;        // most that each row can gain
-  std::vector<std::uint16_t> no_vertical_cost_;
+  std::vector<std::uint16_t> no_vertical_cost_, vertical_cost_;
   std::array<std::vector<Place>, max_references> places_;
   std::array<kernels::EvidencePath, max_references> paths_;
 };

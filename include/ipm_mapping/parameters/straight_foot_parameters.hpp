@@ -1,0 +1,48 @@
+#pragma once
+
+#include "ipm_mapping/parameters/field.hpp"
+
+namespace ipm_mapping::sweep {
+
+/// Contacts along the straight foot of a plain face.
+struct StraightFootParameters {
+  double foot_reach = 2.0;
+  double foot_length = 0.2;
+  int foot_beams = 3;
+  double foot_tolerance = 1.5;
+  int foot_window = 2;
+  double foot_contrast = 6.0;
+  double foot_share = 0.5;
+  double foot_support = 0.2;
+  double foot_doubt = 10.0;
+  double foot_score = 0.5;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& field) {
+    field("foot_reach", self.foot_reach, Unit{""}, Range{0.0, 100.0},
+          "a straight run of contacts is continued along the image's edge by this many times its "
+          "own length; 0: not");
+    field("foot_length", self.foot_length, Unit{"camera heights"}, Range{0.0, 10.0},
+          "a shorter run has no direction: it may be a piece of something round");
+    field("foot_beams", self.foot_beams, Unit{"beams"}, Range{3, 100},
+          "a run of fewer contacts has none either");
+    field("foot_tolerance", self.foot_tolerance, Unit{"candidates"}, Range{0.1, 20.0},
+          "how far off the line a contact of the run may lie");
+    field("foot_window", self.foot_window, Unit{"candidates"}, Range{0, 20},
+          "how far off the line the edge is looked for");
+    field("foot_contrast", self.foot_contrast, Unit{"grey levels/row"}, Range{0.0, 255.0},
+          "a run with a fainter edge is not continued");
+    field("foot_share", self.foot_share, Unit{""}, Range{0.01, 1.0},
+          "the edge goes on where its contrast is between this share of the run's and the inverse "
+          "of it");
+    field("foot_support", self.foot_support, Unit{"camera heights"}, Range{0.01, 0.9},
+          "how far above the edge floor and upright surface are compared");
+    field("foot_doubt", self.foot_doubt, Unit{""}, Range{0.0, 1000.0},
+          "an upright surface that scores less than minus this there is floor behind a line on the "
+          "floor");
+    field("foot_score", self.foot_score, Unit{""}, Range{0.0, 1.0},
+          "score of such a contact: this share of the lowest of the run");
+  }
+};
+
+}  // namespace ipm_mapping::sweep
