@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ipm_mapping/kernels/floor_residual.hpp"
 #include "ipm_mapping/kernels/sweep_costs.hpp"
 
 namespace ipm_mapping::sweep {

@@ -1,3 +1,4 @@
+#include "ipm_mapping/kernels/floor_residual.hpp"
 #include "ipm_mapping/kernels/sweep_costs.hpp"
 
 #include <gtest/gtest.h>

@@ -136,28 +136,22 @@ TEST_F(Foot, SwitchedOffNothingIsAdded) {
   EXPECT_EQ(found(0, sweep.beams() - 1), 14);
 }
 
-TEST_F(Foot, BetweenTwoLegsThereIsNoEdge) {
-  paint(15, 29, floor_grey);
-  contacts(8, 14);
-  contacts(30, 36);
-  complete();
-  EXPECT_EQ(found(16, 28), 0);
-}
-
-TEST_F(Foot, AnEdgeOfTheOtherPolarityIsSomethingElse) {
-  paint(15, 29, 140);
-  contacts(8, 14);
-  contacts(30, 36);
-  complete();
-  EXPECT_EQ(found(16, 28), 0);
-}
-
-TEST_F(Foot, AFainterEdgeIsSomethingElse) {
-  paint(15, 29, 88);
-  contacts(8, 14);
-  contacts(30, 36);
-  complete();
-  EXPECT_EQ(found(16, 28), 0);
+TEST_F(Foot, WhereTheRunsEdgeDoesNotGoOnNothingIsAdded) {
+  struct Between {
+    const char* what;
+    int grey;
+  };
+  for (const Between& between :
+       {Between{"floor, as between two legs", floor_grey},
+        Between{"an edge of other polarity", 140}, Between{"a fainter edge", 88}}) {
+    SCOPED_TRACE(between.what);
+    paint(15, 29, between.grey);
+    choices.assign(choices.size(), BeamChoice{});
+    contacts(8, 14);
+    contacts(30, 36);
+    complete();
+    EXPECT_EQ(found(16, 28), 0);
+  }
 }
 
 TEST_F(Foot, WhereTheFloorsTextureGoesOnItIsALineOnTheFloor) {

@@ -55,6 +55,15 @@ struct CalibrationParameters {
         "mode", self.mode,
         "off; report: estimates on /diagnostics beside the stated pose; apply: the detector works "
         "with the estimated pose and odometry");
+    expectations(self, field);
+    pairs(self, field);
+    verdicts(self, field);
+  }
+
+ private:
+  /// How far off things are expected to be, and may be.
+  template <class Self, class Visitor>
+  static void expectations(Self& self, Visitor& field) {
     field("sd_pitch", self.sd_pitch, Unit{"rad"}, Range{1e-6, 0.5},
           "how far off the stated pitch is expected to be");
     field("sd_roll", self.sd_roll, Unit{"rad"}, Range{1e-6, 0.5}, "the same of the roll");
@@ -82,6 +91,10 @@ struct CalibrationParameters {
           "an estimate farther from the stated pitch, roll or yaw is not believed");
     field("max_height", self.max_height, Unit{"m"}, Range{0.0, 1.0},
           "an estimate farther from the stated height is not believed");
+  }
+  /// Which frames are compared, and how.
+  template <class Self, class Visitor>
+  static void pairs(Self& self, Visitor& field) {
     field("spacing", self.spacing, Unit{"camera heights"}, Range{0.01, 10.0},
           "way from one compared pair of frames to the next");
     field("settled_spacing", self.settled_spacing, Unit{"camera heights"}, Range{0.01, 100.0},
@@ -104,6 +117,10 @@ struct CalibrationParameters {
           "share of independent samples");
     field("memory", self.memory, Unit{"pairs"}, Range{2.0, 1e6},
           "older pairs fade: their weight falls to 1/e over this many");
+  }
+  /// When the estimate is believed, applied and warned of.
+  template <class Self, class Visitor>
+  static void verdicts(Self& self, Visitor& field) {
     field("least_pairs", self.least_pairs, Unit{"pairs"}, Range{1, 1000},
           "nothing is believed before so many");
     field("confident_tilt", self.confident_tilt, Unit{"rad"}, Range{0.0, 0.1},
