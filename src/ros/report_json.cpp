@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "ipm_mapping/kernels/simd_target.hpp"
 #include "ipm_mapping/parameters/visitors.hpp"
 
 namespace ipm_mapping {
@@ -124,6 +125,7 @@ std::string reportJson(const OfflineRun& run, const BagSource& bag, const RunCam
       {"resets", report.resets},
       {"points", report.contacts},
       {"map", {{"width", map.width}, {"height", map.height}, {"resolution_m", map.resolution}}},
+      {"simd", kernels::simdTarget()},
       {"stages", stagesJson(report)},
       {"processing_ms_per_used_frame", 1e3 * per_frame},
       {"fps", per_frame > 0.0 ? 1.0 / per_frame : 0.0},

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ipm_mapping/kernels/floor_ray.hpp"
 #include "ipm_mapping/kernels/floor_residual.hpp"
 #include "ipm_mapping/kernels/sweep_costs.hpp"
 
@@ -10,7 +11,7 @@ namespace ipm_mapping::sweep {
 namespace {
 
 constexpr int block = 8;               // rows and lines between exact positions
-constexpr double node_unit = 1024.0;   // of positions at nodes
+constexpr float node_unit = 1024.0F;   // of positions at nodes
 constexpr double fixed_one = 16384.0;  // of gain and offset
 constexpr double least_gain = 0.5, most_gain = 1.5;
 
@@ -38,6 +39,12 @@ void FloorCost::configure(const PolarGrid& grid, const std::vector<RowRange>& re
   node_lines_ = (grid.lines + block - 1) / block + 1;
   row_nodes_.resize(node_rows_, node_lines_);
   line_nodes_.resize(node_rows_, node_lines_);
+  inverse_distance_.assign(static_cast<std::size_t>(node_rows_ + kernels::overrun), 1.0F);
+  for (int k = 0; k < node_rows_; ++k)
+    inverse_distance_[static_cast<std::size_t>(k)] =
+        static_cast<float>(1.0 / grid.distance(k * block * PolarGrid::rows_per_sweep_row));
+  line_position_.resize(inverse_distance_.size());
+  row_position_.resize(inverse_distance_.size());
   rows_here_.resize(static_cast<std::size_t>(node_rows_));
   lines_here_.resize(static_cast<std::size_t>(node_rows_));
   row_path_.resize(static_cast<std::size_t>(node_rows_ * block));
@@ -53,16 +60,23 @@ void FloorCost::configure(const PolarGrid& grid, const std::vector<RowRange>& re
 
 /// Exact reference positions of the floor on a coarse lattice of rows and lines.
 void FloorCost::buildNodes(const FootMotion& motion) {
+  kernels::FloorRay ray;
+  ray.tx = static_cast<float>(motion.tx);
+  ray.ty = static_cast<float>(motion.ty);
+  ray.rows_per_log = static_cast<float>(grid_.rows_per_log);
+  ray.lines_per_radian = static_cast<float>(grid_.lines_per_radian);
+  ray.line_ahead = static_cast<float>(grid_.line(0.0));
   for (int l = 0; l < node_lines_; ++l) {
-    const double azimuth = grid_.azimuth(l * block);
-    const Eigen::Vector2d direction(std::cos(azimuth), std::sin(azimuth));
+    const double azimuth = grid_.azimuth(l * block), c = std::cos(azimuth), s = std::sin(azimuth);
+    ray.ux = static_cast<float>(motion.c * c - motion.s * s);
+    ray.uy = static_cast<float>(motion.s * c + motion.c * s);
+    kernels::rayPositions(ray, inverse_distance_.data(), node_rows_, line_position_.data(),
+                          row_position_.data());
     for (int k = 0; k < node_rows_; ++k) {
-      const double distance = grid_.distance(k * block * PolarGrid::rows_per_sweep_row);
-      const Eigen::Vector2d p = motion * (distance * direction);
-      row_nodes_.at(k, l) = static_cast<std::int32_t>(
-          std::lround(node_unit * std::clamp(grid_.rowOfSquared(p.squaredNorm()), -1e5, 1e5)));
-      line_nodes_.at(k, l) =
-          static_cast<std::int32_t>(std::lround(node_unit * grid_.line(std::atan2(p.y(), p.x()))));
+      const auto i = static_cast<std::size_t>(k);
+      const auto row = static_cast<float>(k * block * PolarGrid::rows_per_sweep_row);
+      row_nodes_.at(k, l) = static_cast<std::int32_t>(node_unit * (row + row_position_[i]));
+      line_nodes_.at(k, l) = static_cast<std::int32_t>(node_unit * line_position_[i]);
     }
   }
 }

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::array<double, 3> slopes{0.2, 0.35, 0.6};  // metres away per metre of height
 constexpr int raster = 3;                                // candidates
-constexpr float coarse_share = 0.75F;  // of the upright score: what the raster may miss of a peak
+constexpr float coarse_share = 0.9F;  // of the upright score: what the raster may miss of a peak
 
 }  // namespace
 

@@ -4,14 +4,13 @@
 #include <cmath>
 #include <limits>
 
+#include "ipm_mapping/kernels/floor_ray.hpp"
+
 namespace ipm_mapping::sweep {
 namespace {
 
-constexpr int place_step = 8;        // candidates between exact places
 constexpr double below_view = 1.25;  // candidates reach this far below the image, in r
 constexpr double half_beam = 0.5 * (kernels::beam_lines - 1);
-constexpr double fraction_unit = 32767.0;  // 1/2^15 as a signed number
-constexpr double farthest_shift = 1e6;     // fine rows: out of every view
 constexpr int leaning_block_rows = 8;
 constexpr double weight_unit = 256.0;
 constexpr int peak_reach = 6;       // candidates around a step that a maximum is compared with
@@ -31,6 +30,7 @@ void VerticalSweep::configure(const PolarGrid& grid, const std::vector<RowRange>
   grid_ = grid;
   beam_step_ = p.beam_step;
   search_step_ = p.search_step;
+  rival_share_ = static_cast<float>(p.rival_share);
   const double sweep_rows_per_log = grid.rows_per_log / PolarGrid::rows_per_sweep_row;
   support_rows_ = static_cast<int>(std::lround(-std::log(1.0 - max_support) * sweep_rows_per_log));
   first_row_ = std::min(support_rows_, grid.sweepRows());
@@ -53,24 +53,33 @@ void VerticalSweep::configure(const PolarGrid& grid, const std::vector<RowRange>
   row_weight_.resize(row_weight_.size() + kernels::overrun);
   bound_.resize(static_cast<std::size_t>(last_row + 1));
   row_r_.clear();
-  for (int j = 0; j <= last_row + place_step; ++j)
-    row_r_.push_back(grid.r(j * PolarGrid::rows_per_sweep_row));
+  for (int j = 0; j <= last_row; ++j) row_r_.push_back(grid.r(j * PolarGrid::rows_per_sweep_row));
   potential_.resize(bound_.size());
   gain_.resize(bound_.size() + kernels::overrun);
-  no_vertical_cost_.assign(gain_.size(), 0);
+  least_vertical_.assign(
+      gain_.size(),
+      static_cast<std::uint16_t>(std::lround(p.least_vertical_cost * kernels::cost_unit)));
   vertical_cost_.resize(gain_.size());
-  for (auto& places : places_) places.resize(static_cast<std::size_t>(candidates_));
+  inverse_distance_.clear();
+  for (int c = 0; c < candidates_; ++c)
+    inverse_distance_.push_back(static_cast<float>(candidateR(c) / grid.height));
+  inverse_distance_.resize(inverse_distance_.size() + kernels::overrun, 1.0F);
+  line_position_.resize(inverse_distance_.size());
+  row_position_.resize(inverse_distance_.size());
+  for (Places& places : places_)
+    for (auto* array : {&places.line, &places.shift, &places.line_fraction, &places.row_fraction})
+      array->resize(inverse_distance_.size());
 }
 
-/// Most that any support ending at a row can gain (vertical costs are never negative), and what all
-/// rows above a row offer. Returns the most of all rows.
+/// Most that any support ending at a row can gain (noise makes every vertical line cost something),
+/// and what all rows above a row offer. Returns the most of all rows.
 std::int32_t VerticalSweep::bound(const SweepReference* references, int count, int beam) {
   const RowRange seen = rows(beam);
   std::fill(gain_.begin(), gain_.end(), 0);
   for (int q = 0; q < count; ++q)
     kernels::accumulateEvidence(references[q].floor_cost.row(beam) + seen.begin,
-                                no_vertical_cost_.data(), row_weight_.data() + seen.begin,
-                                floor_cap_, prior_, seen.size(), gain_.data() + seen.begin);
+                                least_vertical_.data(), row_weight_.data() + seen.begin, floor_cap_,
+                                prior_, seen.size(), gain_.data() + seen.begin);
   std::int32_t best = 0, offered = 0, most = 0;
   for (std::size_t j = 0; j < bound_.size(); ++j) {
     potential_[j] = offered;
@@ -82,64 +91,49 @@ std::int32_t VerticalSweep::bound(const SweepReference* references, int count, i
   return most;
 }
 
-VerticalSweep::Place VerticalSweep::fixedPlace(double line, double shift) {
-  const auto below = [](double x) {  // std::floor is a call without SSE4
-    const int whole = static_cast<int>(x);
-    return whole - static_cast<int>(x < whole);
-  };
-  Place place;
-  place.line = below(line);
-  place.shift = below(shift);
-  place.line_fraction = static_cast<std::int16_t>((line - place.line) * fraction_unit);
-  place.row_fraction = static_cast<std::int16_t>((shift - place.shift) * fraction_unit);
-  return place;
-}
-
-/// Exact places of every place_step-th candidate, straight lines in between.
-void VerticalSweep::place(const FootMotion& motion, int beam, std::vector<Place>& places) const {
-  const Eigen::Vector2d direction(std::cos(azimuth(beam)), std::sin(azimuth(beam)));
-  const auto exact = [&](int candidate) -> Eigen::Vector2d {
-    const double d = grid_.height / candidateR(candidate);
-    const Eigen::Vector2d p = motion * (d * direction);
-    const double shift = 0.5 * grid_.rows_per_log * std::log(d * d / p.squaredNorm());
-    return {grid_.line(std::atan2(p.y(), p.x())) - half_beam,
-            std::clamp(shift, -farthest_shift, farthest_shift)};
-  };
-  Eigen::Vector2d a = exact(0);
-  for (int c = 0; c < candidates_; c += place_step) {
-    const Eigen::Vector2d b = exact(c + place_step);
-    for (int k = 0; k < place_step && c + k < candidates_; ++k) {
-      const double t = static_cast<double>(k) / place_step;
-      places[static_cast<std::size_t>(c + k)] =
-          fixedPlace(a.x() + t * (b.x() - a.x()), a.y() + t * (b.y() - a.y()));
-    }
-    a = b;
-  }
+void VerticalSweep::place(const FootMotion& motion, int beam, Places& places) {
+  const double azimuth = this->azimuth(beam), c = std::cos(azimuth), s = std::sin(azimuth);
+  kernels::FloorRay ray;
+  ray.ux = static_cast<float>(motion.c * c - motion.s * s);
+  ray.uy = static_cast<float>(motion.s * c + motion.c * s);
+  ray.tx = static_cast<float>(motion.tx);
+  ray.ty = static_cast<float>(motion.ty);
+  ray.rows_per_log = static_cast<float>(grid_.rows_per_log);
+  ray.lines_per_radian = static_cast<float>(grid_.lines_per_radian);
+  ray.line_ahead = static_cast<float>(grid_.line(0.0) - half_beam);
+  kernels::rayPositions(ray, inverse_distance_.data(), candidates_, line_position_.data(),
+                        row_position_.data());
+  kernels::splitPositions(line_position_.data(), candidates_, places.line.data(),
+                          places.line_fraction.data());
+  kernels::splitPositions(row_position_.data(), candidates_, places.shift.data(),
+                          places.row_fraction.data());
 }
 
 /// A candidate's vertical line in one reference, on the rows of its support that are seen there.
 kernels::EvidencePath VerticalSweep::pathOf(const CurrentView& current,
-                                            const SweepReference& reference, const Place& place,
-                                            int beam, RowRange support) const {
+                                            const SweepReference& reference, const Places& places,
+                                            std::size_t candidate, int beam,
+                                            RowRange support) const {
   kernels::EvidencePath path;
-  if (place.line < 0 || place.line >= static_cast<int>(reference_rows_.size())) return path;
-  const RowRange seen = reference_rows_[static_cast<std::size_t>(place.line)];
+  const std::int32_t line = places.line[candidate], shift = places.shift[candidate];
+  if (line < 0 || line >= static_cast<int>(reference_rows_.size())) return path;
+  const RowRange seen = reference_rows_[static_cast<std::size_t>(line)];
   // fine row 2 j + shift and the one after it have to be in view
   const RowRange rows =
-      intersection(support, {(seen.begin - place.shift + 1) >> 1, (seen.end - place.shift) >> 1});
+      intersection(support, {(seen.begin - shift + 1) >> 1, (seen.end - shift) >> 1});
   path.begin = rows.begin;
   path.end = rows.end;
   path.floor = reference.floor_cost.row(beam);
-  const int half = place.shift >> 1;
-  const bool odd = (place.shift & 1) != 0;
+  const int half = shift >> 1;
+  const bool odd = (shift & 1) != 0;
   kernels::VerticalPath& vertical = path.vertical;
   vertical.stride = grid_.sweepRows();
   vertical.current = current.grey.row(firstLine(beam));
   vertical.weight = current.weight.row(firstLine(beam));
-  vertical.upper = (odd ? reference.odd : reference.even).row(place.line) + half;
-  vertical.lower = (odd ? reference.even : reference.odd).row(place.line) + half + (odd ? 1 : 0);
-  vertical.row_fraction = place.row_fraction;
-  vertical.line_fraction = place.line_fraction;
+  vertical.upper = (odd ? reference.odd : reference.even).row(line) + half;
+  vertical.lower = (odd ? reference.even : reference.odd).row(line) + half + (odd ? 1 : 0);
+  vertical.row_fraction = static_cast<std::int16_t>(places.row_fraction[candidate]);
+  vertical.line_fraction = static_cast<std::int16_t>(places.line_fraction[candidate]);
   return path;
 }
 
@@ -148,7 +142,7 @@ void VerticalSweep::aim(const CurrentView& current, const SweepReference* refere
                         int beam, int candidate, RowRange support) {
   const auto c = static_cast<std::size_t>(std::clamp(candidate, 0, candidates_ - 1));
   for (std::size_t q = 0; q < static_cast<std::size_t>(count); ++q)
-    paths_[q] = pathOf(current, references[q], places_[q][c], beam, support);
+    paths_[q] = pathOf(current, references[q], places_[q], c, beam, support);
 }
 
 /// Candidate at whose distance a surface that leans away is met on a row: with d the contact's
@@ -237,24 +231,33 @@ float VerticalSweep::evidence(const CurrentView& current, const SweepReference* 
   return static_cast<float>(sum) / static_cast<float>(kernels::cost_unit * count);
 }
 
-/// Scores of one beam. Maxima are wider than search_step: between two evaluated candidates only the
-/// neighbourhood of a maximum is evaluated too, the rest lies on a straight line.
+/// Scores of one beam, from the near end on. Maxima are wider than search_step: between two
+/// evaluated candidates only the neighbourhood of a maximum is evaluated too, the rest lies on a
+/// straight line. A candidate that cannot come near the best of those in front of it is not
+/// followed.
 void VerticalSweep::evaluateBeam(const CurrentView& current, const SweepReference* references,
                                  int count, int beam, std::int32_t least, float* score,
                                  std::int16_t* top) {
+  const float unit = rival_share_ * static_cast<float>(kernels::cost_unit * count);
+  float best = 0.0F;
   const auto exact = [&](int c) {
-    if (bound_[static_cast<std::size_t>(first_row_ + c)] >= least)
-      score[c] = scoreOf(current, references, count, beam, c, 0.0, least, top[c]);
+    const std::int32_t needed = std::max(least, static_cast<std::int32_t>(unit * best));
+    if (bound_[static_cast<std::size_t>(first_row_ + c)] < needed) return;
+    score[c] = scoreOf(current, references, count, beam, c, 0.0, needed, top[c]);
+    best = std::max(best, score[c]);
   };
-  for (int c = 0; c < candidates_; c += search_step_) exact(c);
-  for (int c = search_step_; search_step_ > 1 && c < candidates_; c += search_step_) {
+  const int last = (candidates_ - 1) / search_step_ * search_step_;
+  for (int c = last; c >= 0; c -= search_step_) exact(c);
+  best = 0.0F;
+  for (int c = last; search_step_ > 1 && c > 0; c -= search_step_) {
     const int before = c - search_step_;
     const float ends = std::max(score[before], score[c]);
+    best = std::max(best, score[c]);
     if (ends <= 0.0F) continue;
     const int from = std::max(0, before - peak_reach);
     const int to = std::min(candidates_, c + peak_reach + 1);
     const bool near_peak = ends >= peak_share * *std::max_element(score + from, score + to);
-    for (int k = before + 1; k < c; ++k) {
+    for (int k = c - 1; k > before; --k) {
       if (near_peak) {
         exact(k);
         continue;

@@ -14,6 +14,7 @@
 #include "ipm_mapping/detectors/fpga_statistics.hpp"
 #include "ipm_mapping/fpga/fifo.hpp"
 #include "ipm_mapping/io/run_files.hpp"
+#include "ipm_mapping/kernels/simd_target.hpp"
 #include "ipm_mapping/mapping/map_io.hpp"
 #include "ipm_mapping/ros/bag_arguments.hpp"
 #include "ipm_mapping/ros/offline_run.hpp"
@@ -28,6 +29,7 @@ using namespace ipm_mapping;
 struct Arguments : BagArguments {
   std::string out;
   std::string truth;
+  std::string simd;
   int overlays = 0;
   bool fpga = false, temporal_filter = false;
 
@@ -41,9 +43,13 @@ struct Arguments : BagArguments {
     app.add_option("--truth", truth, "truth.json of a rendered scene, drawn into map.png");
     app.add_option("--overlays", overlays, "draw every N-th used frame into overlays/NNNNNN.png")
         ->check(CLI::PositiveNumber);
+    app.add_option("--simd", simd,
+                   "widest instruction set to use, e.g. AVX2: results stay, times do not");
   }
   void settleAll() {
     settle();
+    if (!simd.empty())
+      if (const auto error = kernels::limitSimd(simd)) throw CLI::ValidationError("--simd", *error);
     options.parameters.memory.filter |= temporal_filter;
     if (fpga) options.parameters.detector.kind = DetectorKind::Fpga;
   }

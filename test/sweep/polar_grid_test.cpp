@@ -15,7 +15,6 @@ TEST(PolarGrid, RowsAndDistancesAreInverses) {
   const PolarGrid grid = makePolarGrid(smallCamera(), smallCameraPose(), {}, 2.0);
   for (double row = 0.0; row < grid.rows; row += 7.3) {
     EXPECT_NEAR(grid.row(grid.distance(row)), row, 1e-9);
-    EXPECT_NEAR(grid.rowOfSquared(grid.distance(row) * grid.distance(row)), row, 1e-9);
     EXPECT_NEAR(grid.line(grid.azimuth(row)), row, 1e-9);
   }
 }

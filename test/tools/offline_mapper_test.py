@@ -192,6 +192,21 @@ class OfflineMapper(unittest.TestCase):
         self.assertTrue(tables["filtered"])
         self.assertTrue(tables["filtered"] < tables["plain"], "the first frame has no second sight")
 
+    def test_every_instruction_set_gives_the_same_tables(self):
+        write_bag(self.bag, info=True, frames=20)
+        self.refused(2, "no instruction set 'MMX'", self.bag, "--out", self.out, "--simd", "MMX")
+        known = self.run_it(self.bag, "--out", self.out, "--simd", "MMX").stderr
+        names = known.split("there are ")[1].split("\n")[0].split(", ")
+        tables = set()
+        for name in names:
+            result = self.run_it(self.bag, "--out", self.out, self.pose, "--simd", name.lower())
+            self.assertEqual(result.returncode, 0, result.stderr)
+            with open(os.path.join(self.out, "report.json"), encoding="utf-8") as file:
+                self.assertEqual(json.load(file)["simd"], name)
+            tables.add(tuple(open(os.path.join(self.out, table), encoding="ascii").read()
+                             for table in ("points.csv", "obstacles.csv", "trajectory.csv")))
+        self.assertEqual(len(tables), 1, names)
+
     def test_a_robot_that_stands_is_no_error(self):
         write_bag(self.bag, info=True, still=True)
         result = self.run_it(self.bag, "--out", self.out, self.pose)

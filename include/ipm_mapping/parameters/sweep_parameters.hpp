@@ -153,6 +153,8 @@ struct NoiseParameters {
 struct EvidenceParameters {
   double floor_cap = 2.5;
   double vertical_prior = 0.03;
+  double least_vertical_cost = 0.2;
+  double rival_share = 0.6;
   double specular_prior = 0.2;
   double specular_parallax = 0.12;
   double drift_width = 0.085;
@@ -167,6 +169,12 @@ struct EvidenceParameters {
           "the floor never costs more: 'neither floor nor vertical' is an allowed answer");
     field("vertical_prior", self.vertical_prior, Unit{"sigma^2"}, Range{0.0, 2.0},
           "a vertical line costs this much more a row");
+    field("least_vertical_cost", self.least_vertical_cost, Unit{"sigma^2"}, Range{0.0, 1.0},
+          "no vertical line is expected to fit better a row: what could not score otherwise is not "
+          "tried; 0: nothing is left out");
+    field("rival_share", self.rival_share, Unit{""}, Range{0.0, 1.0},
+          "a candidate that cannot reach this share of the best score nearer in its beam is not "
+          "tried; 0: nothing is left out");
     field(
         "specular_prior", self.specular_prior, Unit{"sigma^2"}, Range{0.0, 9.0},
         "a highlight that stays where it is in the view costs this much more a row than floor; 9: "

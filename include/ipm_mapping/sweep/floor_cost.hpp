@@ -56,6 +56,7 @@ class FloorCost {
   int beam_step_ = 1, half_lines_ = 0, half_rows_ = 0;
   int node_rows_ = 0, node_lines_ = 0;
   Image<std::int32_t> row_nodes_, line_nodes_;  // reference position of every 8th row and line
+  std::vector<float> inverse_distance_, line_position_, row_position_;  // of a line of nodes
   std::vector<std::int32_t> rows_here_, lines_here_, row_path_, line_path_;
   Image<std::int16_t> residual_;
   std::vector<std::int32_t> sum_, number_, sum_prefix_, number_prefix_;

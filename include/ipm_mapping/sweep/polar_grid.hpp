@@ -37,10 +37,6 @@ struct PolarGrid {
   [[nodiscard]] double row(double distance) const {
     return (std::log(height / distance) - log_r_far) * rows_per_log;
   }
-  /// Row that sees the floor at squared distance d2: one logarithm, no root.
-  [[nodiscard]] double rowOfSquared(double d2) const {
-    return (std::log(height) - 0.5 * std::log(d2) - log_r_far) * rows_per_log;
-  }
 };
 
 /// Grid that covers what the camera sees of the floor, from `max_range * beyond` (seen over the

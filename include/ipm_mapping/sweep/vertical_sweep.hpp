@@ -71,17 +71,16 @@ class VerticalSweep {
   [[nodiscard]] RowRange rows(int beam) const { return beam_rows_[static_cast<std::size_t>(beam)]; }
 
  private:
-  /// Where a candidate's vertical line lies in a reference: first line, and by how many fine rows
-  /// it is moved; fractions in 1/2^15.
-  struct Place {
-    int line = 0, shift = 0;
-    std::int16_t line_fraction = 0, row_fraction = 0;
+  /// Where the candidates' vertical lines lie in a reference: first line, and by how many fine rows
+  /// they are moved; fractions in 1/2^15.
+  struct Places {
+    std::vector<std::int32_t> line, shift, line_fraction, row_fraction;
   };
   std::int32_t bound(const SweepReference* references, int count, int beam);
-  static Place fixedPlace(double line, double shift);
-  void place(const FootMotion& motion, int beam, std::vector<Place>& places) const;
+  void place(const FootMotion& motion, int beam, Places& places);
   kernels::EvidencePath pathOf(const CurrentView& current, const SweepReference& reference,
-                               const Place& place, int beam, RowRange support) const;
+                               const Places& places, std::size_t candidate, int beam,
+                               RowRange support) const;
   void aim(const CurrentView& current, const SweepReference* references, int count, int beam,
            int candidate, RowRange support);
   [[nodiscard]] double candidateR(int candidate) const {
@@ -96,16 +95,20 @@ class VerticalSweep {
   PolarGrid grid_;
   int beam_step_ = 1, search_step_ = 1, beams_ = 0, candidates_ = 0, first_row_ = 0,
       support_rows_ = 0;
+  float rival_share_ = 0.0F;
   std::int32_t floor_cap_ = 0, prior_ = 0;
-  std::vector<RowRange> beam_rows_;       // current: sweep rows, eight lines
-  std::vector<RowRange> reference_rows_;  // reference: fine rows, nine lines from each line on
-  std::vector<std::int32_t> row_weight_;  // w(row) in 1/256
-  std::vector<double> row_r_;             // of every sweep row, also below the view
-  std::vector<std::int32_t> bound_;       // most that a support ending at a row can gain
-  std::vector<std::int32_t> potential_;   // sum of what the rows before a row could gain
-  std::vector<std::int32_t> gain_;        // most that each row can gain
-  std::vector<std::uint16_t> no_vertical_cost_, vertical_cost_;
-  std::array<std::vector<Place>, max_references> places_;
+  std::vector<RowRange> beam_rows_;            // current: sweep rows, eight lines
+  std::vector<RowRange> reference_rows_;       // reference: fine rows, nine lines from each line on
+  std::vector<std::int32_t> row_weight_;       // w(row) in 1/256
+  std::vector<double> row_r_;                  // of every sweep row, also below the view
+  std::vector<std::int32_t> bound_;            // most that a support ending at a row can gain
+  std::vector<std::int32_t> potential_;        // sum of what the rows before a row could gain
+  std::vector<std::int32_t> gain_;             // most that each row can gain
+  std::vector<std::uint16_t> least_vertical_;  // cost of a row
+  std::vector<std::uint16_t> vertical_cost_;
+  std::vector<float> inverse_distance_;              // of every candidate, 1/m
+  std::vector<float> line_position_, row_position_;  // of the candidates of a beam
+  std::array<Places, max_references> places_;
   std::array<kernels::EvidencePath, max_references> paths_;
 };
 
