@@ -94,13 +94,13 @@ void lower(const std::uint16_t* HWY_RESTRICT other, std::int32_t prior, int coun
 template <class D, class V>
 HWY_INLINE V blended(D d, const std::int16_t* upper, const std::int16_t* lower, V fraction) {
   const V a = hn::LoadU(d, upper);
-  const V step = hn::Sub(hn::LoadU(d, lower), a);
-  return hn::Add(a, hn::MulHigh(hn::Add(step, step), fraction));
+  return hn::Add(a, hn::MulFixedPoint15(hn::Sub(hn::LoadU(d, lower), a), fraction));
 }
 
-void vertical(const VerticalPath& path, int count, std::uint16_t* HWY_RESTRICT cost) {
-  const hn::ScalableTag<std::int16_t> d;
-  const hn::RebindToUnsigned<decltype(d)> du;
+template <class D>
+HWY_INLINE void verticalRows(D d, const VerticalPath& path, int count,
+                             std::uint16_t* HWY_RESTRICT cost) {
+  const hn::RebindToUnsigned<D> du;
   const int lanes = static_cast<int>(hn::Lanes(d));
   const auto row_fraction = hn::Set(d, path.row_fraction);
   const auto line_fraction = hn::Set(d, path.line_fraction);
@@ -112,8 +112,7 @@ void vertical(const VerticalPath& path, int count, std::uint16_t* HWY_RESTRICT c
       const std::int64_t at = k * path.stride + i;
       const auto next =
           blended(d, path.upper + at + path.stride, path.lower + at + path.stride, row_fraction);
-      const auto step = hn::Sub(next, line);
-      const auto seen = hn::Add(line, hn::MulHigh(hn::Add(step, step), line_fraction));
+      const auto seen = hn::Add(line, hn::MulFixedPoint15(hn::Sub(next, line), line_fraction));
       const auto e = hn::BitCast(du, hn::Abs(hn::Sub(hn::LoadU(d, path.current + at), seen)));
       const auto t = hn::Min(hn::MulHigh(e, hn::LoadU(du, path.weight + at)), cap);
       sum = hn::Add(sum, hn::Mul(t, t));
@@ -121,6 +120,13 @@ void vertical(const VerticalPath& path, int count, std::uint16_t* HWY_RESTRICT c
     }
     hn::StoreU(sum, du, cost + i);
   }
+}
+
+/// Few rows need no wide vector, and a narrow one costs less.
+void vertical(const VerticalPath& path, int count, std::uint16_t* HWY_RESTRICT cost) {
+  if (count <= 8) return verticalRows(hn::CappedTag<std::int16_t, 8>(), path, count, cost);
+  if (count <= 16) return verticalRows(hn::CappedTag<std::int16_t, 16>(), path, count, cost);
+  verticalRows(hn::ScalableTag<std::int16_t>(), path, count, cost);
 }
 
 /// Evidence of rows begin ... end - 1 from all references.

@@ -199,6 +199,7 @@ float VerticalSweep::leaningScore(const CurrentView& current, const SweepReferen
   count = std::min(count, max_references);
   const auto least =
       static_cast<std::int32_t>(least_score * static_cast<float>(kernels::cost_unit * count));
+  if (bound_[static_cast<std::size_t>(first_row_ + candidate)] < least) return 0.0F;
   return scoreOf(current, references, count, beam, candidate, lean, least, top);
 }
 

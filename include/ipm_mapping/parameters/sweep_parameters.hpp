@@ -153,7 +153,7 @@ struct NoiseParameters {
 struct EvidenceParameters {
   double floor_cap = 2.5;
   double vertical_prior = 0.03;
-  double least_vertical_cost = 0.2;
+  double least_vertical_cost = 0.1;
   double rival_share = 0.6;
   double specular_prior = 0.2;
   double specular_parallax = 0.12;
