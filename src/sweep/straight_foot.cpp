@@ -14,7 +14,6 @@ constexpr double unsettled = 1.5;    // times the tolerance before
 constexpr double other_thing = 3.0;  // candidates off the line
 constexpr int most_missed = 1;       // beams in a row where the edge may be gone
 constexpr float edge_memory = 0.8F;  // contrast changes slowly along an edge
-constexpr int edge_rows = 2;         // rows on either side of an edge that it blurs
 
 /// Strongest change within a row of a contact, signed.
 float contrastAt(const CurrentView& current, const VerticalSweep& sweep, int beam,
@@ -51,8 +50,7 @@ void StraightFoot::configure(const VerticalSweep& sweep, double height,
   height_ = height;
   first_r_ = sweep.r(0.0);
   candidates_per_log_ = 1.0 / std::log(sweep.r(1.0) / first_r_);
-  support_rows_ =
-      static_cast<int>(std::lround(-std::log(1.0 - parameters.foot_support) * candidates_per_log_));
+  plain_edge_.configure(sweep, selection, parameters);
   direction_.clear();
   for (int beam = 0; beam < sweep.beams(); ++beam)
     direction_.emplace_back(std::cos(sweep.azimuth(beam)), std::sin(sweep.azimuth(beam)));
@@ -116,7 +114,7 @@ bool StraightFoot::measure(const Scene& scene, Run& run) const {
 /// Is everything from the near end of the view up to the edge floor in the eyes of the references?
 bool StraightFoot::floorInFront(const Scene& scene, int beam, int row) const {
   const int end = scene.sweep.rows(beam).end;
-  for (int from = row + edge_rows; from < end; from += selection_.free_window) {
+  for (int from = row + PlainEdge::edge_rows; from < end; from += selection_.free_window) {
     int sum = 0, number = 0;
     for (int q = 0; q < scene.count; ++q) {
       const std::uint16_t* cost = scene.references[q].floor_cost.row(beam);
@@ -131,15 +129,13 @@ bool StraightFoot::floorInFront(const Scene& scene, int beam, int row) const {
   return true;
 }
 
-/// Floor in front, and behind the edge nothing that only floor explains. The rows that the edge
-/// itself blurs say nothing about that.
+/// Floor in front, and behind the edge nothing that only floor explains.
 bool StraightFoot::mayStand(const Scene& scene, int beam, int candidate) const {
   const int row = static_cast<int>(scene.sweep.sweepRow(candidate));
   if (!floorInFront(scene, beam, row)) return false;
   scene.sweep.aimBeam(scene.references, scene.count, beam);
-  return scene.sweep.evidence(scene.current, scene.references, scene.count, beam, candidate,
-                              {row - support_rows_, row - edge_rows + 1}) >=
-         -parameters_.foot_doubt;
+  return plain_edge_.mayStand(scene.current, scene.references, scene.count, scene.sweep, beam,
+                              candidate);
 }
 
 /// The edge near an expected candidate, as a contact; nothing where it is not the run's.

@@ -102,7 +102,7 @@ void SweepDetector::fillCandidates(Obstacles& obstacles) const {
   }
 }
 
-void SweepDetector::fillObstacles(Obstacles& obstacles) {
+void SweepDetector::fillObstacles(const CurrentView& current, Obstacles& obstacles) {
   obstacles.view.motion = motions_[0].motion;
   obstacles.focus = midFootFocus(vanishingPoints(obstacles.view));
   fillCandidates(obstacles);
@@ -125,6 +125,9 @@ void SweepDetector::fillObstacles(Obstacles& obstacles) {
         bearing.range = std::min(bearing.range, static_cast<float>(d));
       }
     }
+    if (bearing.state == BearingState::Free)
+      bearing.range = static_cast<float>(plain_edge_.limit(current, views_.data(), reference_count_,
+                                                           sweep_, beam, double{bearing.range}));
     obstacles.bearings.push_back(bearing);
   }
   free_floor_.limit(current_.T_floor_base, obstacles);

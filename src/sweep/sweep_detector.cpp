@@ -55,6 +55,7 @@ void SweepDetector::configure(const CameraPose& T_base_camera) {
   free_floor_.configure(parameters_.selection);
   edge_.configure(parameters_.selection);
   straight_foot_.configure(sweep_, grid_.height, parameters_.selection, parameters_.foot);
+  plain_edge_.configure(sweep_, parameters_.selection, parameters_.foot);
   ring_.configure(grid_, parameters_.reference);
   current_.image.resize(grid_.rows, grid_.lines);
   current_grey_.resize(grid_.sweepRows(), grid_.lines);
@@ -112,7 +113,7 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
     lap("bearing_selection");
     straight_foot_.complete(view, views_.data(), reference_count_, sweep_, choices_);
     lap("straight_foot");
-    fillObstacles(obstacles);
+    fillObstacles(view, obstacles);
     lap("answer");
   }
   T_odom_last_ = current_.T_odom_base;

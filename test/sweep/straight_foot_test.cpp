@@ -3,10 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdint>
-#include <random>
 
-#include "sweep/sweep_fixture.hpp"
+#include "sweep/plain_wall.hpp"
 
 namespace ipm_mapping::sweep {
 namespace {
@@ -23,44 +21,12 @@ TEST(FloorLine, IsTheLineThroughItsPoints) {
     EXPECT_NEAR(line.r(direction(azimuth)), r(azimuth), 1e-6);
 }
 
-/// A plain wall across the view, one metre from the camera's foot, on plain floor: one edge, no
-/// texture, the same in the reference. Both look like floor. Some beams have contacts.
-class Foot : public ::testing::Test {
+/// Some beams that see the wall have contacts.
+class Foot : public PlainWall {
  protected:
-  static constexpr double wall = 1.0;
-  static constexpr int floor_grey = 100, wall_grey = 60;
-
   void SetUp() override {
-    const CameraPose pose = test::smallCameraPose();
-    const SweepParameters p = test::smallParameters();
-    grid = makePolarGrid(test::smallCamera(), pose, p.grid, 2.0);
-    CylindricalRectification rectification;
-    rectification.configure(test::smallCamera(), pose, grid);
-    rows = rectification.ranges();
-    for (RowRange& range : rows) range = {range.begin / 2 + 2, range.end / 2 - 2};
-    sweep.configure(grid, rectification.ranges(), rows, p.grid.max_support, p.evidence);
-    grey.resize(grid.sweepRows(), grid.lines, std::int16_t{});
-    weight.resize(grid.sweepRows(), grid.lines, std::uint16_t{20000});
-    even.resize(grid.sweepRows(), grid.lines, std::int16_t{wall_grey * kernels::grey_unit});
-    odd.resize(grid.sweepRows(), grid.lines, std::int16_t{wall_grey * kernels::grey_unit});
-    cost.resize(grid.sweepRows(), sweep.beams(), std::uint16_t{0});
-    paint(0, sweep.beams() - 1, wall_grey);
+    PlainWall::SetUp();
     choices.assign(static_cast<std::size_t>(sweep.beams()), BeamChoice{});
-  }
-  /// The wall as some beams see it.
-  void paint(int first, int last, int behind) {
-    for (int line = sweep.firstLine(first); line < sweep.firstLine(last) + kernels::beam_lines;
-         ++line)
-      for (int row = 0; row < grid.sweepRows(); ++row)
-        grey.at(row, line) = static_cast<std::int16_t>(
-            kernels::grey_unit * (PolarGrid::rows_per_sweep_row * row < wallRow(grid.azimuth(line))
-                                      ? behind
-                                      : floor_grey));
-  }
-  [[nodiscard]] double wallRow(double azimuth) const { return grid.row(wall / std::cos(azimuth)); }
-  /// Candidate at which a beam sees the foot of the wall.
-  [[nodiscard]] double foot(int beam) const {
-    return wallRow(sweep.azimuth(beam)) / PolarGrid::rows_per_sweep_row - sweep.sweepRow(0.0);
   }
   void contacts(int first, int last, double off = 0.0) {
     for (int beam = first; beam <= last; ++beam) {
@@ -70,23 +36,11 @@ class Foot : public ::testing::Test {
       choice.top = static_cast<int>(sweep.sweepRow(choice.candidate)) - 12;
     }
   }
-  /// Texture that the floor explains and an upright surface does not.
-  void grainBehind(int first, int last) {
-    std::mt19937 random(3);
-    std::uniform_int_distribution<int> grain(-15, 15);
-    for (int line = sweep.firstLine(first); line < sweep.firstLine(last) + kernels::beam_lines;
-         ++line)
-      for (int row = 0; row < grid.sweepRows(); ++row)
-        if (PolarGrid::rows_per_sweep_row * (row + 3) < wallRow(grid.azimuth(line)))
-          grey.at(row, line) =
-              static_cast<std::int16_t>(kernels::grey_unit * (wall_grey + grain(random)));
-  }
   void complete() {
     StraightFoot straight_foot;
     straight_foot.configure(sweep, grid.height, SelectionParameters{}, parameters);
-    const SweepReference reference{even.view(), odd.view(), cost.view(),
-                                   FootMotion({0.15, 0.0, 0.0}, {0.05, -0.01})};
-    straight_foot.complete({grey.view(), weight.view(), &rows}, &reference, 1, sweep, choices);
+    const SweepReference one = reference();
+    straight_foot.complete(current(), &one, 1, sweep, choices);
   }
   BeamChoice& at(int beam) { return choices[static_cast<std::size_t>(beam)]; }
   [[nodiscard]] int found(int first, int last) const {
@@ -96,13 +50,7 @@ class Foot : public ::testing::Test {
     return n;
   }
 
-  PolarGrid grid;
-  VerticalSweep sweep;
-  std::vector<RowRange> rows;
-  Image<std::int16_t> grey, even, odd;
-  Image<std::uint16_t> weight, cost;
   std::vector<BeamChoice> choices;
-  StraightFootParameters parameters;
 };
 
 TEST_F(Foot, APlainFaceBetweenTwoRunsIsCompleted) {

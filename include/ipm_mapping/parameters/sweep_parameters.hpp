@@ -217,6 +217,7 @@ struct SelectionParameters {
   double straddle_gap = 0.133;
   double straddle_ratio = 1.5;
   double free_cost = 1.3;
+  double free_edge = 6.0;
   int free_halo = 6;
   double free_gap = 0.3;
   double near_memory = 30.0;
@@ -267,6 +268,10 @@ struct SelectionParameters {
           "how much stronger 'clearly stronger' is");
     field("free_cost", self.free_cost, Unit{"sigma^2"}, Range{0.0, 9.0},
           "floor is called free while its mean cost stays below this");
+    field(
+        "free_edge", self.free_edge, Unit{"grey levels/row"}, Range{0.1, 255.0},
+        "behind an edge of the image with this contrast only floor whose texture is seen to go on "
+        "there is called free: something plain may stand there; 255: not asked");
     field("free_halo", self.free_halo, Unit{"beams"}, Range{0, 100},
           "floor is called free no farther than the contacts this many beams beside it: an "
           "obstacle's "

@@ -5,6 +5,7 @@
 
 #include "ipm_mapping/parameters/sweep_parameters.hpp"
 #include "ipm_mapping/sweep/bearing_selection.hpp"
+#include "ipm_mapping/sweep/plain_edge.hpp"
 #include "ipm_mapping/sweep/vertical_sweep.hpp"
 
 namespace ipm_mapping::sweep {
@@ -28,11 +29,8 @@ class FloorLine {
 /// without a contact gets one where, within `foot_window` of the line,
 ///   sign g is the run's and foot_share < g / g_run < 1 / foot_share,
 /// g the change of the beam's mean grey level along the line, g_run what it was along the edge so
-/// far, unless
-///   sum over rows of foot_support of w (F - V - prior) < -foot_doubt:
-/// behind a line that is only painted on the floor (or a joint, a shadow) the floor's texture goes
-/// on, and an upright surface does not explain it; or unless what lies in front is not floor. The
-/// walk ends at a contact of something else. Such a contact scores `foot_score` of the run's
+/// far, unless the floor goes on behind the edge (PlainEdge) or what lies in front is not floor.
+/// The walk ends at a contact of something else. Such a contact scores `foot_score` of the run's
 /// lowest, is as high as the run's lowest, and as sure of its range as a flat maximum.
 class StraightFoot {
  public:
@@ -72,8 +70,8 @@ class StraightFoot {
 
   SelectionParameters selection_;
   StraightFootParameters parameters_;
+  PlainEdge plain_edge_;
   double height_ = 1.0, candidates_per_log_ = 1.0, first_r_ = 1.0;
-  int support_rows_ = 0;
   std::vector<Eigen::Vector2d> direction_;  // of every beam
   std::vector<int> run_;                    // beams of the run at hand
   std::vector<int> contacts_behind_;        // of the run that continued_ is by

@@ -14,6 +14,7 @@
 #include "ipm_mapping/sweep/leaning_surface.hpp"
 #include "ipm_mapping/sweep/motion_refinement.hpp"
 #include "ipm_mapping/sweep/noise_model.hpp"
+#include "ipm_mapping/sweep/plain_edge.hpp"
 #include "ipm_mapping/sweep/reference_ring.hpp"
 #include "ipm_mapping/sweep/self_calibration.hpp"
 #include "ipm_mapping/sweep/specular_cost.hpp"
@@ -67,7 +68,7 @@ class SweepDetector : public Detector {
   void splitReference(const RectifiedFrame& reference, const Photometric& photometric,
                       Planes& planes);
   void fillView(const Frame& frame, Obstacles& obstacles) const;
-  void fillObstacles(Obstacles& obstacles);
+  void fillObstacles(const CurrentView& current, Obstacles& obstacles);
   void fillCandidates(Obstacles& obstacles) const;
   Contact contactOf(int beam, const BeamChoice& choice) const;
   /// How far the floor of a beam reaches for one reference, and what its near end costs.
@@ -98,6 +99,7 @@ class SweepDetector : public Detector {
   LeaningSurface leaning_;
   ContactEdge edge_;
   StraightFoot straight_foot_;
+  PlainEdge plain_edge_;
   FreeFloor free_floor_;
   ReferenceRing ring_;
   BlockLattice lattice_;

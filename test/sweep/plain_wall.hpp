@@ -1,0 +1,76 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "sweep/sweep_fixture.hpp"
+
+namespace ipm_mapping::sweep {
+
+/// A plain wall across the view, one metre from the camera's foot, on plain floor: one edge, no
+/// texture, the same in the reference. Both look like floor.
+class PlainWall : public ::testing::Test {
+ protected:
+  static constexpr double wall = 1.0;
+  static constexpr int floor_grey = 100, wall_grey = 60;
+
+  void SetUp() override {
+    const CameraPose pose = test::smallCameraPose();
+    const SweepParameters p = test::smallParameters();
+    grid = makePolarGrid(test::smallCamera(), pose, p.grid, 2.0);
+    CylindricalRectification rectification;
+    rectification.configure(test::smallCamera(), pose, grid);
+    rows = rectification.ranges();
+    for (RowRange& range : rows) range = {range.begin / 2 + 2, range.end / 2 - 2};
+    sweep.configure(grid, rectification.ranges(), rows, p.grid.max_support, p.evidence);
+    grey.resize(grid.sweepRows(), grid.lines, std::int16_t{});
+    weight.resize(grid.sweepRows(), grid.lines, std::uint16_t{20000});
+    even.resize(grid.sweepRows(), grid.lines, std::int16_t{wall_grey * kernels::grey_unit});
+    odd.resize(grid.sweepRows(), grid.lines, std::int16_t{wall_grey * kernels::grey_unit});
+    cost.resize(grid.sweepRows(), sweep.beams(), std::uint16_t{0});
+    paint(0, sweep.beams() - 1, wall_grey);
+  }
+  /// The wall as some beams see it.
+  void paint(int first, int last, int behind) {
+    for (int line = sweep.firstLine(first); line < sweep.firstLine(last) + kernels::beam_lines;
+         ++line)
+      for (int row = 0; row < grid.sweepRows(); ++row)
+        grey.at(row, line) = static_cast<std::int16_t>(
+            kernels::grey_unit * (PolarGrid::rows_per_sweep_row * row < wallRow(grid.azimuth(line))
+                                      ? behind
+                                      : floor_grey));
+  }
+  [[nodiscard]] double wallRow(double azimuth) const { return grid.row(wall / std::cos(azimuth)); }
+  /// Candidate at which a beam sees the foot of the wall.
+  [[nodiscard]] double foot(int beam) const {
+    return wallRow(sweep.azimuth(beam)) / PolarGrid::rows_per_sweep_row - sweep.sweepRow(0.0);
+  }
+  /// Texture that the floor explains and an upright surface does not.
+  void grainBehind(int first, int last) {
+    std::mt19937 random(3);
+    std::uniform_int_distribution<int> grain(-15, 15);
+    for (int line = sweep.firstLine(first); line < sweep.firstLine(last) + kernels::beam_lines;
+         ++line)
+      for (int row = 0; row < grid.sweepRows(); ++row)
+        if (PolarGrid::rows_per_sweep_row * (row + 3) < wallRow(grid.azimuth(line)))
+          grey.at(row, line) =
+              static_cast<std::int16_t>(kernels::grey_unit * (wall_grey + grain(random)));
+  }
+  [[nodiscard]] CurrentView current() const { return {grey.view(), weight.view(), &rows}; }
+  [[nodiscard]] SweepReference reference() const {
+    return {even.view(), odd.view(), cost.view(), FootMotion({0.15, 0.0, 0.0}, {0.05, -0.01})};
+  }
+
+  PolarGrid grid;
+  VerticalSweep sweep;
+  std::vector<RowRange> rows;
+  Image<std::int16_t> grey, even, odd;
+  Image<std::uint16_t> weight, cost;
+  StraightFootParameters parameters;
+};
+
+}  // namespace ipm_mapping::sweep
