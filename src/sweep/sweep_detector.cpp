@@ -55,6 +55,7 @@ void SweepDetector::configure(const CameraPose& T_base_camera) {
   free_floor_.configure(parameters_.selection);
   edge_.configure(parameters_.selection);
   straight_foot_.configure(sweep_, grid_.height, parameters_.selection, parameters_.foot);
+  remembered_foot_.configure(sweep_, grid_.height, parameters_.selection, parameters_.foot);
   plain_edge_.configure(sweep_, parameters_.selection, parameters_.foot);
   ring_.configure(grid_, parameters_.reference);
   current_.image.resize(grid_.rows, grid_.lines);
@@ -74,6 +75,7 @@ void SweepDetector::reset() {
   refinement_.forgetFloor();
   calibration_.reset();
   free_floor_.reset();
+  remembered_foot_.reset();
   seen_any_ = false;
 }
 
@@ -111,8 +113,13 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
     edge_.refine(view, sweep_, scores_, choices_);
     maskFloor();  // by the sweep's own contacts: a guess must not lead to the next one
     lap("bearing_selection");
-    straight_foot_.complete(view, views_.data(), reference_count_, sweep_, choices_);
-    lap("straight_foot");
+    const ComparedFrame compared{view, views_.data(), reference_count_, sweep_};
+    straight_foot_.complete(compared, choices_);
+    const Eigen::Vector2d foot =
+        current_.T_floor_base * Eigen::Vector2d(T_base_camera_.translation().head<2>());
+    remembered_foot_.complete(compared, {foot.x(), foot.y(), current_.T_floor_base.theta},
+                              frame.stamp, choices_);
+    lap("known_feet");
     fillObstacles(view, obstacles);
     lap("answer");
   }

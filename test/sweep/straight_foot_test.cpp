@@ -40,7 +40,8 @@ class Foot : public PlainWall {
     StraightFoot straight_foot;
     straight_foot.configure(sweep, grid.height, SelectionParameters{}, parameters);
     const SweepReference one = reference();
-    straight_foot.complete(current(), &one, 1, sweep, choices);
+    const CurrentView now = current();
+    straight_foot.complete({now, &one, 1, sweep}, choices);
   }
   BeamChoice& at(int beam) { return choices[static_cast<std::size_t>(beam)]; }
   [[nodiscard]] int found(int first, int last) const {

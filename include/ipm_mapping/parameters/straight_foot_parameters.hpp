@@ -16,6 +16,7 @@ struct StraightFootParameters {
   double foot_support = 0.2;
   double foot_doubt = 10.0;
   double foot_score = 0.5;
+  double foot_memory = 3.0;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& field) {
@@ -42,6 +43,9 @@ struct StraightFootParameters {
           "floor");
     field("foot_score", self.foot_score, Unit{""}, Range{0.0, 1.0},
           "score of such a contact: this share of the lowest of the run");
+    field("foot_memory", self.foot_memory, Unit{"s"}, Range{0.0, 60.0},
+          "where a contact was seen this short a time ago, an edge like the one at its foot is a "
+          "contact still; 0: not");
   }
 };
 

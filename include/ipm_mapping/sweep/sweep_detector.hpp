@@ -16,6 +16,7 @@
 #include "ipm_mapping/sweep/noise_model.hpp"
 #include "ipm_mapping/sweep/plain_edge.hpp"
 #include "ipm_mapping/sweep/reference_ring.hpp"
+#include "ipm_mapping/sweep/remembered_foot.hpp"
 #include "ipm_mapping/sweep/self_calibration.hpp"
 #include "ipm_mapping/sweep/specular_cost.hpp"
 #include "ipm_mapping/sweep/straight_foot.hpp"
@@ -99,6 +100,7 @@ class SweepDetector : public Detector {
   LeaningSurface leaning_;
   ContactEdge edge_;
   StraightFoot straight_foot_;
+  RememberedFoot remembered_foot_;
   PlainEdge plain_edge_;
   FreeFloor free_floor_;
   ReferenceRing ring_;

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "ipm_mapping/geometry/se2.hpp"
+#include "ipm_mapping/sweep/foot_edge.hpp"
+
+namespace ipm_mapping::sweep {
+
+/// A face that showed itself a moment ago still stands there, also where this frame's parallax does
+/// not show it: it has come to the side of the view, or its texture is seen too obliquely. Contacts
+/// of the last `foot_memory` seconds are carried along by the floor's motion; a beam without a
+/// contact gets one where FootEdge finds the remembered foot's edge near its place. Only contacts
+/// that a frame found by itself are remembered: what was found by memory does not feed it.
+class RememberedFoot {
+ public:
+  void configure(const VerticalSweep& sweep, double height, const SelectionParameters& selection,
+                 const StraightFootParameters& parameters);
+  void reset() { known_.clear(); }
+
+  /// Fills choices of beams that have none, then remembers those that had one before. Azimuths
+  /// count from the camera's foot; `T_floor_foot` is its pose by the floor's own motion.
+  void complete(const ComparedFrame& frame, const SE2& T_floor_foot, double stamp,
+                std::vector<BeamChoice>& choices);
+
+ private:
+  struct Known {
+    Eigen::Vector2d p_floor;
+    double stamp = 0.0;
+    KnownFoot foot;
+  };
+  /// Where one beam may see a known foot.
+  struct Place {
+    double distance = 0.0;  ///< metres from the camera's foot; 0: nothing known
+    KnownFoot foot;
+  };
+  void forget(double stamp);
+  void assign(const SE2& T_foot_floor);
+  void remember(const ComparedFrame& frame, const SE2& T_floor_foot, double stamp,
+                const std::vector<BeamChoice>& choices);
+
+  StraightFootParameters parameters_;
+  FootEdge edge_;
+  double height_ = 1.0, first_azimuth_ = 0.0, azimuth_step_ = 1.0;
+  std::vector<Known> known_;   // oldest first
+  std::vector<Place> newest_;  // of every beam
+};
+
+}  // namespace ipm_mapping::sweep

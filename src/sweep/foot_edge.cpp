@@ -1,0 +1,94 @@
+#include "ipm_mapping/sweep/foot_edge.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ipm_mapping/sweep/contact_edge.hpp"
+
+namespace ipm_mapping::sweep {
+
+void FootEdge::configure(const VerticalSweep& sweep, const SelectionParameters& selection,
+                         const StraightFootParameters& parameters) {
+  selection_ = selection;
+  parameters_ = parameters;
+  first_r_ = sweep.r(0.0);
+  candidates_per_log_ = 1.0 / std::log(sweep.r(1.0) / first_r_);
+  plain_edge_.configure(sweep, selection, parameters);
+}
+
+double FootEdge::candidateOf(double r) const {
+  return candidates_per_log_ * std::log(r / first_r_);
+}
+
+float FootEdge::contrastAt(const ComparedFrame& frame, int beam, const BeamChoice& choice) {
+  const RowRange seen = frame.sweep.rows(beam);
+  const int centre = static_cast<int>(std::lround(frame.sweep.sweepRow(choice.candidate)));
+  float strongest = 0.0F;
+  for (int row = centre - 1; row <= centre + 1; ++row) {
+    if (row <= seen.begin || row + 1 >= seen.end) continue;
+    const float g = edgeContrast(frame.current, frame.sweep.firstLine(beam), row);
+    if (std::abs(g) > std::abs(strongest)) strongest = g;
+  }
+  return strongest;
+}
+
+/// Is everything from the near end of the view up to the edge floor in the eyes of the references?
+bool FootEdge::floorInFront(const ComparedFrame& frame, int beam, int row) const {
+  const int end = frame.sweep.rows(beam).end;
+  for (int from = row + PlainEdge::edge_rows; from < end; from += selection_.free_window) {
+    int sum = 0, number = 0;
+    for (int q = 0; q < frame.count; ++q) {
+      const std::uint16_t* cost = frame.references[q].floor_cost.row(beam);
+      for (int j = from; j < std::min(end, from + selection_.free_window); ++j) {
+        if (cost[j] == kernels::no_cost) continue;
+        sum += cost[j];
+        ++number;
+      }
+    }
+    if (sum > selection_.free_cost * kernels::cost_unit * number) return false;
+  }
+  return true;
+}
+
+/// Floor in front, and behind the edge nothing that only floor explains.
+bool FootEdge::mayStand(const ComparedFrame& frame, int beam, int candidate) const {
+  const int row = static_cast<int>(frame.sweep.sweepRow(candidate));
+  if (!floorInFront(frame, beam, row)) return false;
+  frame.sweep.aimBeam(frame.references, frame.count, beam);
+  return plain_edge_.mayStand(frame.current, frame.references, frame.count, frame.sweep, beam,
+                              candidate);
+}
+
+BeamChoice FootEdge::find(const ComparedFrame& frame, const KnownFoot& known, int beam,
+                          double expected) const {
+  BeamChoice foot;
+  const int first_row = static_cast<int>(frame.sweep.sweepRow(0.0));
+  const RowRange seen = frame.sweep.rows(beam);
+  const int centre = static_cast<int>(std::lround(expected));
+  const int from = centre - parameters_.foot_window, to = centre + parameters_.foot_window;
+  if (from < 0 || to >= frame.sweep.candidates() || first_row + from - 2 < seen.begin ||
+      first_row + to + 2 >= seen.end)
+    return foot;
+  const auto along = [&](int candidate) {
+    return edgeContrast(frame.current, frame.sweep.firstLine(beam), first_row + candidate) /
+           known.contrast;
+  };
+  int best = from;
+  float most = along(from);
+  for (int c = from + 1; c <= to; ++c) {
+    const float share = along(c);
+    if (share > most) most = share, best = c;
+  }
+  const auto least = static_cast<float>(parameters_.foot_share);
+  if (most < least || most * least > 1.0F || !mayStand(frame, beam, best)) return foot;
+  const float before = along(best - 1), after = along(best + 1);
+  const float bend = before - 2.0F * most + after;
+  foot.candidate = static_cast<float>(best);
+  if (bend < -1e-3F && most >= before && most >= after)
+    foot.candidate += 0.5F * (before - after) / bend;
+  foot.score = static_cast<float>(parameters_.foot_score) * known.score;
+  foot.top = first_row + best - known.support;
+  return foot;
+}
+
+}  // namespace ipm_mapping::sweep

@@ -1,0 +1,75 @@
+#include "ipm_mapping/sweep/remembered_foot.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ipm_mapping::sweep {
+namespace {
+
+constexpr std::size_t most_known = 2048;
+
+}  // namespace
+
+void RememberedFoot::configure(const VerticalSweep& sweep, double height,
+                               const SelectionParameters& selection,
+                               const StraightFootParameters& parameters) {
+  parameters_ = parameters;
+  edge_.configure(sweep, selection, parameters);
+  height_ = height;
+  first_azimuth_ = sweep.azimuth(0);
+  azimuth_step_ = sweep.azimuth(1) - first_azimuth_;
+  known_.clear();
+  known_.reserve(most_known);
+  newest_.resize(static_cast<std::size_t>(sweep.beams()));
+}
+
+void RememberedFoot::forget(double stamp) {
+  const auto old = [&](const Known& k) { return stamp - k.stamp > parameters_.foot_memory; };
+  known_.erase(std::remove_if(known_.begin(), known_.end(), old), known_.end());
+}
+
+/// The newest of what is known in the direction of every beam.
+void RememberedFoot::assign(const SE2& T_foot_floor) {
+  std::fill(newest_.begin(), newest_.end(), Place{});
+  const auto last = static_cast<double>(newest_.size() - 1);
+  for (const Known& known : known_) {
+    const Eigen::Vector2d p = T_foot_floor * known.p_floor;
+    const double beam = wrapAngle(std::atan2(p.y(), p.x()) - first_azimuth_) / azimuth_step_;
+    if (beam > -0.5 && beam < last + 0.5)
+      newest_[static_cast<std::size_t>(std::lround(std::clamp(beam, 0.0, last)))] = {p.norm(),
+                                                                                     known.foot};
+  }
+}
+
+void RememberedFoot::remember(const ComparedFrame& frame, const SE2& T_floor_foot, double stamp,
+                              const std::vector<BeamChoice>& choices) {
+  for (std::size_t beam = 0; beam < choices.size(); ++beam) {
+    const BeamChoice& choice = choices[beam];
+    if (!choice.any()) continue;
+    const int b = static_cast<int>(beam);
+    const float contrast = FootEdge::contrastAt(frame, b, choice);
+    if (std::abs(contrast) < static_cast<float>(parameters_.foot_contrast)) continue;
+    if (known_.size() == most_known) known_.erase(known_.begin(), known_.begin() + most_known / 8);
+    const double azimuth = frame.sweep.azimuth(b), d = height_ / frame.sweep.r(choice.candidate);
+    const int support = static_cast<int>(frame.sweep.sweepRow(choice.candidate)) - choice.top;
+    known_.push_back({T_floor_foot * Eigen::Vector2d(d * std::cos(azimuth), d * std::sin(azimuth)),
+                      stamp,
+                      {contrast, choice.score, support}});
+  }
+}
+
+void RememberedFoot::complete(const ComparedFrame& frame, const SE2& T_floor_foot, double stamp,
+                              std::vector<BeamChoice>& choices) {
+  if (parameters_.foot_memory <= 0.0 || choices.size() != newest_.size()) return;
+  forget(stamp);
+  assign(T_floor_foot.inverse());
+  remember(frame, T_floor_foot, stamp, choices);
+  for (std::size_t beam = 0; beam < choices.size(); ++beam) {
+    const Place& place = newest_[beam];
+    if (choices[beam].any() || place.distance <= 0.0) continue;
+    choices[beam] = edge_.find(frame, place.foot, static_cast<int>(beam),
+                               edge_.candidateOf(height_ / place.distance));
+  }
+}
+
+}  // namespace ipm_mapping::sweep

@@ -1,0 +1,113 @@
+#include "ipm_mapping/sweep/remembered_foot.hpp"
+
+#include "sweep/plain_wall.hpp"
+
+namespace ipm_mapping::sweep {
+namespace {
+
+/// A robot that drives towards the wall: some beams show it at the start, none later.
+class Remembered : public PlainWall {
+ protected:
+  static constexpr int first = 18, last = 26;
+  static constexpr double way = 0.2;  // metres from the first frame to the next
+
+  void SetUp() override {
+    PlainWall::SetUp();
+    choices.assign(static_cast<std::size_t>(sweep.beams()), BeamChoice{});
+  }
+  void configure() { remembered.configure(sweep, grid.height, SelectionParameters{}, parameters); }
+  /// The wall, 1.2 m away, seen by its own texture. Its picture is that of a wall at 1.2 m.
+  void see(double stamp) {
+    clear();
+    const Image<std::int16_t> later = grey;
+    for (int line = 0; line < grid.lines; ++line)
+      for (int row = 0; row < grid.sweepRows(); ++row)
+        grey.at(row, line) = static_cast<std::int16_t>(
+            kernels::grey_unit * (2 * row < grid.row((wall + way) / std::cos(grid.azimuth(line)))
+                                      ? wall_grey
+                                      : floor_grey));
+    for (int beam = first; beam <= last; ++beam) {
+      BeamChoice& choice = choices[static_cast<std::size_t>(beam)];
+      choice.candidate = static_cast<float>(candidateAt((wall + way) / std::cos(azimuth(beam))));
+      choice.score = 30.0F;
+      choice.top = static_cast<int>(sweep.sweepRow(choice.candidate)) - 12;
+    }
+    complete({0.0, 0.0, 0.0}, stamp);
+    grey = later;
+  }
+  /// Twenty centimetres nearer, without a contact of this frame's own.
+  int look(double stamp) {
+    clear();
+    complete({way, 0.0, 0.0}, stamp);
+    int found = 0;
+    for (const BeamChoice& choice : choices) found += choice.any() ? 1 : 0;
+    return found;
+  }
+  void complete(const SE2& T_floor_foot, double stamp) {
+    const SweepReference one = reference();
+    const CurrentView now = current();
+    remembered.complete({now, &one, 1, sweep}, T_floor_foot, stamp, choices);
+  }
+  void clear() { std::fill(choices.begin(), choices.end(), BeamChoice{}); }
+  [[nodiscard]] double azimuth(int beam) const { return sweep.azimuth(beam); }
+  [[nodiscard]] double candidateAt(double distance) const {
+    return grid.row(distance) / PolarGrid::rows_per_sweep_row - sweep.sweepRow(0.0);
+  }
+
+  RememberedFoot remembered;
+  std::vector<BeamChoice> choices;
+};
+
+TEST_F(Remembered, AWallThatShowedItselfIsFoundByItsFootFromNearer) {
+  configure();
+  see(10.0);
+  EXPECT_GT(look(10.5), last - first - 2);
+  int within = 0;
+  for (int beam = 0; beam < sweep.beams(); ++beam) {
+    const BeamChoice& choice = choices[static_cast<std::size_t>(beam)];
+    if (!choice.any()) continue;
+    EXPECT_NEAR(choice.candidate, candidateAt(wall / std::cos(azimuth(beam))), 1.0) << beam;
+    EXPECT_FLOAT_EQ(choice.score, 15.0F);
+    ++within;
+  }
+  EXPECT_GT(within, 0);
+}
+
+TEST_F(Remembered, ItIsForgottenAfterAWhileAndAFindDoesNotRenewIt) {
+  parameters.foot_memory = 2.0;
+  configure();
+  see(10.0);
+  EXPECT_GT(look(11.5), 0);
+  EXPECT_EQ(look(12.5), 0);
+}
+
+TEST_F(Remembered, AResetForgetsEverything) {
+  configure();
+  see(10.0);
+  remembered.reset();
+  EXPECT_EQ(look(10.5), 0);
+}
+
+TEST_F(Remembered, SwitchedOffNothingIsAdded) {
+  parameters.foot_memory = 0.0;
+  configure();
+  see(10.0);
+  EXPECT_EQ(look(10.5), 0);
+}
+
+TEST_F(Remembered, WithoutItsEdgeThereIsNoContact) {
+  configure();
+  see(10.0);
+  paint(0, sweep.beams() - 1, floor_grey);  // it was carried away
+  EXPECT_EQ(look(10.5), 0);
+}
+
+TEST_F(Remembered, WhereTheFloorGoesOnThereIsNone) {
+  configure();
+  see(10.0);
+  grainBehind(0, sweep.beams() - 1);
+  EXPECT_EQ(look(10.5), 0);
+}
+
+}  // namespace
+}  // namespace ipm_mapping::sweep
