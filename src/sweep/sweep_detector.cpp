@@ -73,6 +73,7 @@ void SweepDetector::configure(const CameraPose& T_base_camera) {
 void SweepDetector::reset() {
   ring_.clear();
   refinement_.forgetFloor();
+  floor_masked_ = false;
   calibration_.reset();
   free_floor_.reset();
   remembered_foot_.reset();
@@ -103,16 +104,10 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
   if (status == FrameStatus::Used) {
     fillView(frame, obstacles);
     splitCurrent();
-    compareWithReferences();
     const CurrentView view{current_grey_.view(), weight_.view(), &noise_.sweepRows()};
-    sweep_.evaluate(view, views_.data(), reference_count_,
-                    static_cast<float>(parameters_.selection.publish_score), scores_);
-    lap("vertical_sweep");
-    selection_.select(scores_, choices_);
-    leaning_.refine(view, views_.data(), reference_count_, sweep_, scores_, choices_);
-    edge_.refine(view, sweep_, scores_, choices_);
-    maskFloor();  // by the sweep's own contacts: a guess must not lead to the next one
-    lap("bearing_selection");
+    const bool first_look = !floor_masked_;
+    findContacts(view);
+    if (first_look) findContacts(view);  // the motion was found on what may not have been floor
     const ComparedFrame compared{view, views_.data(), reference_count_, sweep_};
     straight_foot_.complete(compared, choices_);
     const Eigen::Vector2d foot =
@@ -129,6 +124,19 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
   kept_ = ring_.offer(current_);
   applyCalibration();
   return status;
+}
+
+/// The sweep's own contacts. They mask the floor for the next motion; guesses must not.
+void SweepDetector::findContacts(const CurrentView& view) {
+  compareWithReferences();
+  sweep_.evaluate(view, views_.data(), reference_count_,
+                  static_cast<float>(parameters_.selection.publish_score), scores_);
+  lap("vertical_sweep");
+  selection_.select(scores_, choices_);
+  leaning_.refine(view, views_.data(), reference_count_, sweep_, scores_, choices_);
+  edge_.refine(view, sweep_, scores_, choices_);
+  maskFloor();
+  lap("bearing_selection");
 }
 
 /// One or two earlier frames far enough back; says why there is none.
@@ -168,6 +176,7 @@ void SweepDetector::maskFloor() {
     if (nearest > 0.0)
       refinement_.setFloorBegin(line, static_cast<int>(nearest + 0.03 * grid_.rows_per_log));
   }
+  floor_masked_ = true;
 }
 
 void SweepDetector::splitCurrent() {

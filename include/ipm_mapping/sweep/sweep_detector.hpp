@@ -63,6 +63,7 @@ class SweepDetector : public Detector {
   void applyCalibration();
   [[nodiscard]] SE2 expectedMotion(const RectifiedFrame& reference) const;
   FrameStatus findReferences(const Frame& frame);
+  void findContacts(const CurrentView& view);
   void maskFloor();
   void splitCurrent();
   void compareWithReferences();
@@ -118,7 +119,7 @@ class SweepDetector : public Detector {
   std::vector<BeamChoice> choices_;
   SE2 last_used_;
   SE2 T_odom_last_, T_floor_last_;  // of the last frame
-  bool seen_any_ = false, kept_ = false;
+  bool seen_any_ = false, kept_ = false, floor_masked_ = false;
   std::vector<StageTime> times_;
   double lap_start_ = 0.0;
 };
