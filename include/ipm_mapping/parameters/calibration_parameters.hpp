@@ -34,7 +34,7 @@ struct CalibrationParameters {
   double farthest = 4.5;
   int row_step = 10;
   int line_step = 15;
-  int iterations = 8;
+  int iterations = 32;
   int min_samples = 120;
   double min_likeness = 0.7;
   double correlation = 0.1;
