@@ -175,6 +175,16 @@ TEST(SelfCalibration, BlamesTheHeightForMore) {
   EXPECT_GT(r.scale.sigma, 0.015) << "the two are known no better than their priors";
 }
 
+TEST(SelfCalibration, GoesOnComparingUntilTheHeightIsBeyondDoubt) {
+  CalibrationParameters rare = smallCalibration();
+  rare.settled_spacing = 10.0;
+  const CalibrationReport settled = check(statedPose(0.0, 0.0), honest, rare);
+  const CalibrationReport doubtful = check(statedPose(0.0, 0.016), honest, rare);
+  ASSERT_TRUE(settled.confident);
+  EXPECT_GT(doubtful.pairs, settled.pairs);
+  EXPECT_NEAR(doubtful.height.estimate, 0.45, height_tolerance) << told(doubtful);
+}
+
 TEST(SelfCalibration, WithoutMotionNothingIsLearnt) {
   const CalibrationReport r =
       check(statedPose(degree, 0.0), [](const SE2&, double) { return SE2{}; });
