@@ -1,6 +1,8 @@
 """The advice of docs/tuning.md as runs of offline_mapper: a scene, and values to compare."""
+import os
+
 from . import tables
-from .experiments import Case
+from .experiments import ROOT, Case
 
 FRAMES = 80  # of each scene
 FALSE, ERROR = ("false_percent", "false %"), ("median_error_cm", "median cm")
@@ -45,6 +47,16 @@ def with_tables(text, made):
             raise ValueError(f"there is no place for the table {name}")
         text = before + begin + table + "\n" + end + after
     return text
+
+
+def write_tables(page, made):
+    """Tables into a page of docs/, between their marks."""
+    path = os.path.join(ROOT, "docs", page)
+    with open(path) as file:
+        text = file.read()
+    with open(path, "w") as file:
+        file.write(with_tables(text, made))
+    print("written:", path)
 
 
 ADVICE = [

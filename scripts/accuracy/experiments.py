@@ -81,10 +81,12 @@ def _stamp(words, files):
     return digest.hexdigest()
 
 
-def _run(words):
+def _run(words, good=(0,)):
+    """What a command says; everything ends unless its exit code is good."""
     done = subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-    if done.returncode != 0:
+    if done.returncode not in good:
         sys.exit(f"accuracy_report: {' '.join(words)} failed:\n{done.stdout}")
+    return done.stdout
 
 
 def _up_to_date(marker, stamp):
@@ -94,14 +96,16 @@ def _up_to_date(marker, stamp):
         return file.read() == stamp
 
 
-def _do_once(words, files, marker):
-    """Runs a command unless the same one already made the same thing of the same files."""
+def _do_once(words, files, marker, said=os.devnull, good=(0,)):
+    """Runs a command unless the same one already made the same thing of the same files; `said`
+    keeps what it prints."""
     stamp = _stamp(words, files)
     if _up_to_date(marker, stamp):
         return
     if os.path.exists(marker):
         os.remove(marker)
-    _run(words)
+    with open(said, "w") as file:
+        file.write(_run(words, good))
     with open(marker, "w") as file:
         file.write(stamp)
 
@@ -118,13 +122,14 @@ class Bench:
 
     def __init__(self, folder):
         self.folder = folder
-        for tool in ("sim_to_bag", "offline_mapper"):
+        for tool in ("sim_to_bag", "offline_mapper", "check_camera"):
             if not os.path.exists(os.path.join(TOOLS, tool)):
                 sys.exit(f"accuracy_report: {tool} is not built: run scripts/build")
         simulator = [path for path in libraries() if "_sim" in path]
         self.render_files = [os.path.join(TOOLS, "sim_to_bag")] + simulator
-        self.map_files = [os.path.join(TOOLS, "offline_mapper")] + [
-            path for path in libraries() if path not in simulator]
+        others = [path for path in libraries() if path not in simulator]
+        self.map_files = [os.path.join(TOOLS, "offline_mapper")] + others
+        self.check_files = [os.path.join(TOOLS, "check_camera")] + others
 
     def bag(self, case):
         """Path of the case's bag and of its truth."""
@@ -145,6 +150,19 @@ class Bench:
         os.makedirs(out, exist_ok=True)
         _do_once(words, self.map_files + [bag], os.path.join(out, "stamp"))
         return out
+
+    def check(self, case, settings):
+        """What check_camera says about a case, be it that there is too little to judge."""
+        bag, _ = self.bag(case)
+        tag = hashlib.sha256("\0".join(settings).encode()).hexdigest()[:8]
+        out = os.path.join(self.folder, "checks", f"{case.label}-{tag}")
+        words = [os.path.join(TOOLS, "check_camera"), bag, "--out", out]
+        words += [w for s in settings for w in ("--set", s)]
+        os.makedirs(out, exist_ok=True)
+        marker, said = os.path.join(out, "stamp"), os.path.join(out, "said.txt")
+        _do_once(words, self.check_files + [bag], marker, said, good=(0, 3))
+        with open(said) as file:
+            return file.read()
 
     def prepare(self, work, jobs):
         """Bags, then runs, of (case, detector, settings); `jobs` programs at a time."""

@@ -3,6 +3,7 @@
 All lengths in metres. Contacts are placed with the true pose, so that odometry's drift is not the
 detector's fault; the map is taken as it was made, with the odometry as recorded.
 """
+import copy
 import csv
 import json
 import math
@@ -24,7 +25,8 @@ class Truth:
     def __init__(self, path):
         with open(path) as file:
             data = json.load(file)
-        self.camera = data["scene"]["camera"]
+        self.scene = data["scene"]
+        self.camera = self.scene["camera"]
         self.place = np.array(data["camera_in_robot"]["translation"], float)
         self.poses = np.array(data["poses"], float).reshape(-1, 4)
         self.start = data.get("bag_start")
@@ -122,6 +124,13 @@ class Run:
     def _rows(folder, name):
         with open(os.path.join(folder, name)) as file:
             return list(csv.DictReader(file))
+
+    def since(self, stamp):
+        """This run without what came before a stamp; the map stays whole."""
+        rest = copy.copy(self)
+        rest.points, rest.bearings = ([row for row in rows if float(row["stamp"]) >= stamp]
+                                      for rows in (self.points, self.bearings))
+        return rest
 
     def stamps(self):
         return sorted({float(row["stamp"]) for row in self.bearings})

@@ -30,7 +30,7 @@ void SelfCalibration::forget() {
   state_.setZero();
   covariance_ = prior_.covariance();
   pairs_ = refused_ = 0;
-  wrong_height_ = false;
+  wrong_height_ = height_in_doubt_ = false;
 }
 
 void SelfCalibration::configure(const PolarGrid& grid, const std::vector<RowRange>& rows,
@@ -50,8 +50,9 @@ double SelfCalibration::baseline() const {
 bool SelfCalibration::due(const SE2& pose) const {
   if (!seen_any_) return true;
   const CalibrationParameters& p = parameters_;
-  const double spacing = confident() ? stated_.height * p.settled_spacing
-                                     : std::min(baseline(), stated_.height * p.spacing);
+  const double spacing = confident() && !height_in_doubt_
+                             ? stated_.height * p.settled_spacing
+                             : std::min(baseline(), stated_.height * p.spacing);
   return std::hypot(pose.x - last_pair_.x, pose.y - last_pair_.y) >= spacing;
 }
 
@@ -97,7 +98,7 @@ void SelfCalibration::learn() {
   learnt_.vector = kept * learnt_.vector + evidence_.about.vector;
   CalibrationInformation all = known();
   aligned_ = all.mean();
-  wrong_height_ = heightIsWrong(all);
+  judgeHeight(all);
   if (!wrong_height_) all.information += prior_right_height_.information - prior_.information;
   state_ = all.mean();
   covariance_ = all.covariance();
@@ -105,13 +106,14 @@ void SelfCalibration::learn() {
 }
 
 /// With some reluctance to change the mind.
-bool SelfCalibration::heightIsWrong(const CalibrationInformation& known) const {
+void SelfCalibration::judgeHeight(const CalibrationInformation& known) {
   const CalibrationMatrix P = known.covariance();
   const double ratio = std::abs(aligned_[I::LogHeight] - aligned_[I::LogScale]);
   const double variance = P(I::LogHeight, I::LogHeight) + P(I::LogScale, I::LogScale) -
                           2.0 * P(I::LogHeight, I::LogScale);
-  const double limit = parameters_.sd_scale + std::sqrt(std::max(0.0, variance));
-  return ratio > (wrong_height_ ? 0.8 : 1.0) * limit;
+  const double sigma = std::sqrt(std::max(0.0, variance)), limit = parameters_.sd_scale + sigma;
+  wrong_height_ = ratio > (wrong_height_ ? 0.8 : 1.0) * limit;
+  height_in_doubt_ = std::abs(ratio - parameters_.sd_scale) < sigma;
 }
 
 double SelfCalibration::ratioSigma() const {

@@ -14,6 +14,9 @@ import sys
 import unittest
 
 SOURCE = os.path.realpath(os.path.join(os.path.dirname(os.path.realpath(__file__)), "../.."))
+sys.path.insert(0, os.path.join(SOURCE, "scripts"))
+from accuracy import mounting, scoring  # noqa: E402
+
 TOOLS, WORK = sys.argv[1:3]
 
 # (figure, worst that is accepted); a negative sign: at least, otherwise at most.
@@ -33,24 +36,36 @@ def run(tool, *arguments):
 
 
 class Drive:
-    """The first frames of a scene, rendered."""
+    """The first frames of a scene, rendered, with changes of it."""
 
-    def __init__(self, scene, frames):
+    def __init__(self, scene, frames, *changes):
         base = os.path.join(WORK, scene)
         self.scene, self.frames = scene, frames
         self.bag, self.truth = base + ".bag", base + ".truth.json"
         run("sim_to_bag", os.path.join(SOURCE, "sim/scenes", scene + ".yaml"), self.bag,
-            "--truth", self.truth, "--frames", frames)
+            "--truth", self.truth, "--frames", frames,
+            *(word for change in changes for word in ("--set", change)))
 
     def camera(self):
         with open(self.truth) as file:
             return json.load(file)["scene"]["camera"]
 
-    def figures(self, *options):
-        """What scripts/score says of offline_mapper's run."""
+    def mapped(self, *options):
+        """Folder of offline_mapper's run."""
         out = os.path.join(WORK, "run")
         shutil.rmtree(out, ignore_errors=True)
         run("offline_mapper", self.bag, "--out", out, "--truth", self.truth, *options)
+        return out
+
+    def settled(self, settings):
+        """Figures from where self-calibration is expected to have settled."""
+        truth = scoring.Truth(self.truth)
+        out = self.mapped(*(word for each in settings for word in ("--set", each)))
+        return scoring.score(truth, scoring.Run(out).since(mounting.settled_at(truth)))
+
+    def figures(self, *options):
+        """What scripts/score says of offline_mapper's run."""
+        out = self.mapped(*options)
         score = subprocess.run(
             ["/usr/bin/python3", os.path.join(SOURCE, "scripts/score"), self.truth, out, "--json"],
             stdout=subprocess.PIPE, check=True, text=True)
@@ -89,6 +104,18 @@ class AccuracyTest(unittest.TestCase):
             # One word: a negative pitch must not look like an option.
             figures = self.normal.figures("--camera-pose=" + ",".join(map(str, stated)))
             self.assertGreaterEqual(len(below_floor(figures, LAB_NORMAL)), 2, f"{error} degrees")
+
+    def test_self_calibration_recovers_what_a_wrongly_stated_camera_costs(self):
+        # The floor does not show odometry's scale: without an error of it there is no excuse.
+        drive = Drive("lab_normal", 100, "odometry.scale=0")
+        camera = mounting.Camera(scoring.Truth(drive.truth))
+        true = drive.settled(camera.stated(0, 0))
+        self.assertGreater(true["visible_bearings"], 1000)
+        for sign, errors in mounting.APPLIED.items():
+            stated = camera.stated(*errors)
+            wrong, applied = drive.settled(stated), drive.settled((*stated, mounting.APPLY))
+            self.assertGreaterEqual(len(mounting.lost(true, wrong)), 3, sign)
+            self.assertEqual(mounting.lost(true, applied), [], sign)
 
     def test_default_stays_over_its_floors_on_a_mirror_floor_under_bare_lamps(self):
         figures = Drive("lab_hard", 50).figures()

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <sstream>
 
@@ -70,12 +71,15 @@ Frame frameOf(std::size_t i, const Odometry& odometry) {
 }
 
 CalibrationReport check(const CameraPose& stated, const Odometry& odometry = honest,
-                        const CalibrationParameters& parameters = smallCalibration()) {
+                        const CalibrationParameters& parameters = smallCalibration(),
+                        int pairs = std::numeric_limits<int>::max()) {
   CameraCheck check(test::smallParameters(), parameters);
   check.setCamera(test::smallCamera(), stated);
   Obstacles obstacles;
-  for (std::size_t i = 0; i < recording().pictures.size(); ++i)
+  for (std::size_t i = 0; i < recording().pictures.size(); ++i) {
     check.process(frameOf(i, odometry), obstacles);
+    if (check.calibration()->pairs == pairs) break;
+  }
   return *check.calibration();
 }
 
@@ -110,6 +114,18 @@ INSTANTIATE_TEST_SUITE_P(Errors, WrongPose,
                                            std::pair(2 * degree, 0.03),
                                            std::pair(-2 * degree, -0.03),
                                            std::pair(-2 * degree, 0.04)));
+
+/// What ends on the way says what it began with, and that stays among the evidence.
+TEST(SelfCalibration, TheFirstPairsAreAlignedToTheEnd) {
+  CalibrationParameters patient = smallCalibration();
+  patient.iterations = 50;
+  const CameraPose stated = statedPose(0.0, 0.03);
+  const CalibrationReport r = check(stated, honest, smallCalibration(), 2);
+  const CalibrationReport longer = check(stated, honest, patient, 2);
+  ASSERT_EQ(r.pairs, 2);
+  EXPECT_NEAR(r.height.estimate, longer.height.estimate, 0.0005) << told(r) << told(longer);
+  EXPECT_NEAR(r.pitch.estimate, longer.pitch.estimate, 0.02 * degree) << told(r) << told(longer);
+}
 
 TEST(SelfCalibration, RollIsFoundOut) {
   const CameraPose stated = cameraPose(0.05, -0.01, 0.45, 0.42, 0.0, 1.0 * degree);
@@ -157,6 +173,16 @@ TEST(SelfCalibration, BlamesTheHeightForMore) {
   EXPECT_NEAR(r.height.estimate, 0.45 * 1.01, height_tolerance) << told(r);
   EXPECT_NEAR(r.scale.estimate, 1.0, 0.004);
   EXPECT_GT(r.scale.sigma, 0.015) << "the two are known no better than their priors";
+}
+
+TEST(SelfCalibration, GoesOnComparingUntilTheHeightIsBeyondDoubt) {
+  CalibrationParameters rare = smallCalibration();
+  rare.settled_spacing = 10.0;
+  const CalibrationReport settled = check(statedPose(0.0, 0.0), honest, rare);
+  const CalibrationReport doubtful = check(statedPose(0.0, 0.016), honest, rare);
+  ASSERT_TRUE(settled.confident);
+  EXPECT_GT(doubtful.pairs, settled.pairs);
+  EXPECT_NEAR(doubtful.height.estimate, 0.45, height_tolerance) << told(doubtful);
 }
 
 TEST(SelfCalibration, WithoutMotionNothingIsLearnt) {

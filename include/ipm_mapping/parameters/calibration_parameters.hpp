@@ -34,7 +34,7 @@ struct CalibrationParameters {
   double farthest = 4.5;
   int row_step = 10;
   int line_step = 15;
-  int iterations = 8;
+  int iterations = 32;
   int min_samples = 120;
   double min_likeness = 0.7;
   double correlation = 0.1;
@@ -98,7 +98,7 @@ struct CalibrationParameters {
     field("spacing", self.spacing, Unit{"camera heights"}, Range{0.01, 10.0},
           "way from one compared pair of frames to the next");
     field("settled_spacing", self.settled_spacing, Unit{"camera heights"}, Range{0.01, 100.0},
-          "the same once the estimate is confident");
+          "the same once the estimate is confident and the height no longer in doubt");
     field("short_baseline", self.short_baseline, Unit{"camera heights"}, Range{0.01, 10.0},
           "way between the two frames of a pair while little is known");
     field("long_baseline", self.long_baseline, Unit{"camera heights"}, Range{0.01, 10.0},

@@ -16,7 +16,7 @@ namespace ipm_mapping::sweep {
 /// The floor shows the way only in camera heights. Either the stated height is right, and
 /// odometry's scale makes up for what is off, or, when that had to be more than `sd_scale`, the
 /// height is held to be wrong, and odometry is trusted to `sd_scale`. Frames are aligned without
-/// that judgement.
+/// that judgement, and compared often until it is clear.
 class SelfCalibration {
  public:
   SelfCalibration(const CalibrationParameters& parameters, const MotionRefinementParameters& noise)
@@ -62,7 +62,7 @@ class SelfCalibration {
   [[nodiscard]] bool bounded() const;
   [[nodiscard]] bool due(const SE2& T_odom_base) const;
   [[nodiscard]] CalibrationInformation known() const;
-  [[nodiscard]] bool heightIsWrong(const CalibrationInformation& known) const;
+  void judgeHeight(const CalibrationInformation& known);
   void compare(const FramePair& pair);
   void learn();
   void forget();
@@ -74,7 +74,7 @@ class SelfCalibration {
   FloorPair pair_;
   CalibrationVector rectified_with_ = CalibrationVector::Zero();
   CalibrationInformation prior_, prior_right_height_, learnt_;
-  bool wrong_height_ = false;
+  bool wrong_height_ = false, height_in_doubt_ = false;
   CalibrationVector aligned_ = CalibrationVector::Zero();  ///< without judging the height
   CalibrationVector state_ = CalibrationVector::Zero();
   CalibrationMatrix covariance_ = CalibrationMatrix::Identity();
