@@ -20,13 +20,15 @@ class Drive {
       : scene(test::smallCamera(), test::smallCameraPose(pitch)), detector(parameters) {
     detector.setCamera(scene.camera, scene.T_base_camera);
   }
-  FrameStatus at(const SE2& pose) {
+  FrameStatus at(const SE2& pose) { return at(pose, pose); }
+  /// The robot is at a pose, its wheels say another one.
+  FrameStatus at(const SE2& pose, const SE2& by_wheels) {
     const Image<std::uint8_t> picture = scene.render(pose);
     Frame frame;
     frame.index = index++;
     frame.stamp = 0.1 * static_cast<double>(frame.index);
     frame.image = picture.view();
-    frame.T_odom_base = pose;
+    frame.T_odom_base = by_wheels;
     last = pose;
     return detector.process(frame, obstacles);
   }
@@ -156,6 +158,14 @@ TEST(SweepDetector, AfterAResetItAnswersAsANewOne) {
   ASSERT_EQ(used.along(0.0, 0.4, 2), FrameStatus::Used);
   ASSERT_EQ(fresh.along(0.0, 0.4, 2), FrameStatus::Used);
   EXPECT_EQ(scores(used), scores(fresh));
+}
+
+TEST(SweepDetector, ObstaclesDoNotMisleadTheMotionOfTheFirstAnswer) {
+  Drive drive;
+  drive.scene.boxes = {{0.75, 1.2, -0.35, 0.6, 0.4}};  // half of what it sees is not floor
+  drive.at({0.0, 0.0, 0.0});
+  ASSERT_EQ(drive.at({0.2, 0.0, 0.0}, {0.206, 0.0, 0.004}), FrameStatus::Used);
+  EXPECT_NEAR(drive.detector.refinedMotion().motion.x, 0.2, 0.0015);
 }
 
 TEST(SweepDetector, RefusesImagesOfAnotherSizeAndAMissingCamera) {
