@@ -26,7 +26,8 @@ included. *Recall*: of the bearings whose first obstacle is visible between 0.4 
 with a contact within 10 cm of it. *Map*: occupied 5 cm cells with the odometry as recorded;
 coverage is of the outline cells that were ever visible within 2 m. *Free beyond*: of the bearings
 reported free, the share whose free range ends more than 10 cm behind the first outline along them:
-floor that is promised where something stands. Nothing is filtered over time, except in the map.
+floor that is promised where something stands. Frames stand for themselves, except that the default
+detector knows feet that it saw in the last three seconds ([without](sweep.md#what-time-adds)).
 Frames that show nothing new (the robot stands) are not used."""
 
 HELD_OUT_METHOD = """Rendered for this table only: other textures, obstacles, lamps, camera heights

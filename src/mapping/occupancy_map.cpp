@@ -78,6 +78,7 @@ void OccupancyMap::update(const Obstacles& obstacles) {
   ++counters_.frames;
   const bool casts = parameters_.update == MapUpdate::LogOdds;
   std::optional<Box> needed = stored();
+  growForRobot(obstacles.view, needed);
   growForContacts(obstacles, needed);
   if (casts) growForRays(obstacles, needed);
   growTo(needed);
@@ -187,6 +188,14 @@ void OccupancyMap::setLogOdds(const Cell& world, float value) {
 }
 
 // --- growth --------------------------------------------------------------------
+
+/// A planner has to find the robot in the map, also where it has not seen the floor under itself.
+void OccupancyMap::growForRobot(const GroundView& view, std::optional<Box>& needed) const {
+  const Eigen::Vector2d place(view.T_odom_base.x, view.T_odom_base.y);
+  const Eigen::Vector2d margin = Eigen::Vector2d::Constant(parameters_.margin);
+  (void)widen(needed, (place - margin) / parameters_.resolution);
+  (void)widen(needed, (place + margin) / parameters_.resolution);
+}
 
 void OccupancyMap::growForContacts(const Obstacles& obstacles, std::optional<Box>& needed) {
   for (const Contact& contact : obstacles.contacts) {

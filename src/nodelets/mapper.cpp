@@ -61,10 +61,12 @@ class Mapper : public StageNodelet {
     if (verdict == StampVerdict::Late)
       return monitor().dropped("out_of_order", "obstacles are not newer than the ones before them");
     if (verdict == StampVerdict::Jump) onClockJump();
+    const SE2 T_map_base = T_map_odom * answer_.view.T_odom_base;
+    outputs_->setRobot({T_map_base.x, T_map_base.y});
     if (answer_.age > 0.0F) return monitor().skipped("remembered");
     if (localized_->update(answer_, T_map_odom)) monitor().count("corrections");
     outputs_->setHeader(map_frame_->name(), input.header.stamp);
-    trajectory_->add(map_frame_->name(), input.header.stamp, T_map_odom * answer_.view.T_odom_base);
+    trajectory_->add(map_frame_->name(), input.header.stamp, T_map_base);
     keeper_->touch();
     if (parameters_.publish_rate == 0.0) publish();
     const MapGeometry& geometry = map_->geometry();

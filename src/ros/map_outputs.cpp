@@ -4,6 +4,7 @@
 #include <ros/single_subscriber_publisher.h>
 
 #include <boost/make_shared.hpp>
+#include <cmath>
 
 namespace ipm_mapping {
 namespace {
@@ -41,9 +42,11 @@ nav_msgs::OccupancyGridPtr MapOutputs::grid(Values values) const {
   message->info.resolution = static_cast<float>(geometry.resolution);
   message->info.width = static_cast<std::uint32_t>(empty ? empty_side : geometry.width);
   message->info.height = static_cast<std::uint32_t>(empty ? empty_side : geometry.height);
-  const double centred = -0.5 * empty_side * geometry.resolution;
-  message->info.origin.position.x = empty ? centred : geometry.originX();
-  message->info.origin.position.y = empty ? centred : geometry.originY();
+  const auto centred = [&](double place) {
+    return geometry.resolution * (std::floor(place / geometry.resolution) - 0.5 * empty_side);
+  };
+  message->info.origin.position.x = empty ? centred(robot_.x()) : geometry.originX();
+  message->info.origin.position.y = empty ? centred(robot_.y()) : geometry.originY();
   message->info.origin.orientation.w = 1.0;
   message->data.assign(std::size_t{message->info.width} * message->info.height, -1);
   for (std::size_t i = 0; !empty && i < message->data.size(); ++i)

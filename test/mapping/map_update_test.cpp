@@ -170,7 +170,7 @@ TEST(LogOddsMap, StateDecidesWhetherTheLastCellIsFree) {
 }
 
 TEST(LogOddsMap, ARayIsNoLongerThanTheMapCanBeAndThenHasNoObstacleAtItsEnd) {
-  MapParameters parameters;
+  MapParameters parameters = withoutMargin();
   parameters.max_side = 128;
   OccupancyMap map(parameters);
   Obstacles frame = frameAt({-3.0, -3.0, M_PI / 4.0});

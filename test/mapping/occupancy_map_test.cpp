@@ -21,12 +21,13 @@ TEST(OccupancyMap, WhatIsNotFiniteIsCountedAndLeavesTheMapAlone) {
                     bearing(BearingState::Blocked, 0.0F, 1.0F, nan),
                     bearing(BearingState::Unknown, nan, nan, nan)};
   map.update(frame);
-  EXPECT_TRUE(map.geometry().empty());
+  EXPECT_EQ(knownCells(map), 0);
   EXPECT_EQ(map.counters().rejected, 5U);
+  const std::uint64_t revision = map.geometry().revision;
   frame = frameAt({std::nan(""), 0.0, 0.0});
   frame.contacts = {contactAt(0.3F, 0.0F)};
   map.update(frame);
-  EXPECT_TRUE(map.geometry().empty());
+  EXPECT_EQ(map.geometry().revision, revision);
   EXPECT_EQ(map.counters().rejected_frames, 1U);
   EXPECT_EQ(map.counters().frames, 1U);
 }
@@ -36,9 +37,7 @@ TEST(OccupancyMap, ARangeOfZeroIsTheCellUnderTheCamera) {
   Obstacles frame = frameAt({-0.31, 0.0, 0.0}, 0.1);
   frame.bearings = {bearing(BearingState::Free, 0.3F, 0.0F)};
   map.update(frame);
-  int known = 0;
-  for (std::size_t i = 0; i < 64U * 64U; ++i) known += map.probability(i) >= 0;
-  EXPECT_EQ(known, 1);
+  EXPECT_EQ(knownCells(map), 1);
   EXPECT_TRUE(map.logOdds(cellAt(-0.21, 0.0)));
 }
 
@@ -47,7 +46,24 @@ TEST(OccupancyMap, AFloorThatComesIntoViewBehindTheRangeClearsNothing) {
   Obstacles frame = frameAt({});
   frame.bearings = {bearing(BearingState::Occupied, 0.0F, 0.3F, 0.4F)};
   map.update(frame);
-  EXPECT_TRUE(map.geometry().empty());
+  EXPECT_EQ(knownCells(map), 0);
+}
+
+TEST(OccupancyMap, TheRobotStandsInItWithSomeRoomAround) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> place(-20.0, 20.0);
+  for (int i = 0; i < 50; ++i) {
+    OccupancyMap map;
+    const SE2 pose{place(random), place(random), place(random)};
+    Obstacles frame = frameAt(pose);
+    frame.bearings = {bearing(BearingState::Free, 0.0F, 2.0F, 1.4F)};  // floor far ahead only
+    map.update(frame);
+    const MapGeometry& g = map.geometry();
+    EXPECT_LE(g.originX(), pose.x - 0.5 + 1e-9);
+    EXPECT_LE(g.originY(), pose.y - 0.5 + 1e-9);
+    EXPECT_GE(g.originX() + g.width * g.resolution, pose.x + 0.5 - 1e-9);
+    EXPECT_GE(g.originY() + g.height * g.resolution, pose.y + 0.5 - 1e-9);
+  }
 }
 
 TEST(OccupancyMap, GrowsInAllDirectionsByBlocksAndKeepsItsContent) {
@@ -69,10 +85,7 @@ TEST(OccupancyMap, GrowsInAllDirectionsByBlocksAndKeepsItsContent) {
     EXPECT_EQ(((g.first.x % 64) + 64) % 64, 0);
     EXPECT_EQ(((g.first.y % 64) + 64) % 64, 0);
     EXPECT_DOUBLE_EQ(g.originX(), g.first.x * 0.05);
-    int known = 0;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(g.width * g.height); ++i)
-      known += map.probability(i) >= 0;
-    EXPECT_EQ(known, static_cast<int>(placed.size()));
+    EXPECT_EQ(knownCells(map), static_cast<int>(placed.size()));
     for (const Eigen::Vector2f& p : placed)
       EXPECT_EQ(occupancyAt(map, static_cast<double>(p.x()), static_cast<double>(p.y())), 100);
   }
@@ -123,7 +136,7 @@ TEST(OccupancyMap, RefusesParametersOutsideTheirRange) {
 // --- what consumers read ----------------------------------------------------------------
 
 TEST(OccupancyMap, ChangesAreTheSmallestRectangleAroundTheChangedCells) {
-  OccupancyMap map;
+  OccupancyMap map(withoutMargin());
   ASSERT_TRUE(map.include({0.0, 0.0}));
   const auto grown = map.takeChanges();
   ASSERT_TRUE(grown);
@@ -145,7 +158,7 @@ TEST(OccupancyMap, ChangesAreTheSmallestRectangleAroundTheChangedCells) {
 }
 
 TEST(OccupancyMap, AfterAGrowthEverythingCountsAsChanged) {
-  OccupancyMap map;
+  OccupancyMap map(withoutMargin());
   map.include({0.0, 0.0});
   Obstacles frame = frameAt({});
   frame.contacts = {contactAt(1.0F, 1.0F)};

@@ -79,7 +79,13 @@ class Chain : public testing::Test {
     ASSERT_TRUE(waitForPublishers(*maps, *probabilities, *updates, *obstacles, *scans, *contacts,
                                   *free_floor));
     ASSERT_TRUE(topics->waitForListeners());
-    topics->play(0, topics->robot.frames);
+    // a whole map half way: the rest comes as updates first
+    const int half = topics->robot.frames - topics->robot.frames / 3;
+    topics->play(0, half);
+    waitFor([] {
+      return !obstacles->all.empty() && maps->last().header.stamp == obstacles->last().header.stamp;
+    });
+    topics->play(half, topics->robot.frames);
     waitFor([] {
       return obstacles->size() >= reference->answers.size() && scans->size() >= obstacles->size() &&
              contacts->size() >= obstacles->size() && free_floor->size() >= obstacles->size();
@@ -89,6 +95,22 @@ class Chain : public testing::Test {
   static void TearDownTestSuite() {
     maps.reset(), probabilities.reset(), updates.reset(), obstacles.reset(), scans.reset();
     contacts.reset(), free_floor.reset(), topics.reset(), reference.reset(), node.reset();
+  }
+  /// Half a metre around the robot at the map's stamp lies inside.
+  static void expectRobotIn(const nav_msgs::OccupancyGrid& map) {
+    for (const auto& answer : obstacles->all) {
+      if (answer->header.stamp != map.header.stamp) continue;
+      const auto& robot = answer->view.pose;
+      const auto& origin = map.info.origin.position;
+      EXPECT_LE(origin.x, robot.x - 0.5);
+      EXPECT_LE(origin.y, robot.y - 0.5);
+      EXPECT_GE(origin.x + map.info.width * static_cast<double>(map.info.resolution),
+                robot.x + 0.5);
+      EXPECT_GE(origin.y + map.info.height * static_cast<double>(map.info.resolution),
+                robot.y + 0.5);
+      return;
+    }
+    ADD_FAILURE() << "no answer has the map's stamp";
   }
 
   static std::unique_ptr<ros::NodeHandle> node;
@@ -110,6 +132,11 @@ std::unique_ptr<Collected<sensor_msgs::PointCloud2>> Chain::contacts, Chain::fre
 std::unique_ptr<RobotTopics> Chain::topics;
 std::unique_ptr<Reference> Chain::reference;
 nav_msgs::OccupancyGridConstPtr Chain::first_map;
+
+TEST_F(Chain, EveryMapHoldsTheRobot) {
+  ASSERT_GT(maps->size(), 1U);
+  for (std::size_t i = 1; i < maps->size(); ++i) expectRobotIn(*maps->all[i]);
+}
 
 TEST_F(Chain, PublishesAnUnknownMapBeforeAnythingWasSeen) {
   EXPECT_EQ(first_map->header.frame_id, "odom");
@@ -168,7 +195,8 @@ TEST_F(Chain, MapIsTrinaryAndProbabilitiesGoElsewhere) {
   EXPECT_GT(between, 0);
 }
 
-TEST_F(Chain, UpdatesStayInsideTheGeometryAndAddUpToTheMap) {
+TEST_F(Chain, UpdatesStayInsideTheGeometryOfTheMapBefore) {
+  ASSERT_GT(updates->size(), 0U);
   // A consumer that applies updates to the last whole map, in the order of the stamps.
   for (const auto& update : updates->all) {
     nav_msgs::OccupancyGridConstPtr base;
@@ -182,6 +210,32 @@ TEST_F(Chain, UpdatesStayInsideTheGeometryAndAddUpToTheMap) {
     EXPECT_LE(update->x + update->width, base->info.width);
     EXPECT_LE(update->y + update->height, base->info.height);
   }
+}
+
+TEST_F(Chain, AWholeMapIsTheOneBeforeWithTheUpdatesInBetween) {
+  int compared = 0;
+  for (std::size_t i = 1; i < maps->size(); ++i) {
+    nav_msgs::OccupancyGrid patched = *maps->all[i - 1];
+    const nav_msgs::OccupancyGrid& next = *maps->all[i];
+    if (patched.info.width != next.info.width || patched.info.height != next.info.height ||
+        patched.info.origin.position.x != next.info.origin.position.x ||
+        patched.info.origin.position.y != next.info.origin.position.y)
+      continue;
+    int patches = 0;
+    for (const auto& update : updates->all) {
+      if (update->header.stamp <= patched.header.stamp || update->header.stamp > next.header.stamp)
+        continue;
+      for (std::size_t k = 0; k < update->data.size(); ++k) {
+        const std::size_t x = static_cast<std::size_t>(update->x) + k % update->width;
+        const std::size_t y = static_cast<std::size_t>(update->y) + k / update->width;
+        patched.data[y * patched.info.width + x] = update->data[k];
+      }
+      ++patches;
+    }
+    EXPECT_EQ(patched.data, next.data) << "map " << i;
+    compared += patches > 0;
+  }
+  EXPECT_GT(compared, 0);
 }
 
 TEST_F(Chain, LateSubscriberGetsThePresentMap) {
@@ -277,6 +331,7 @@ TEST_F(Chain, ServicesSaveTheMapBelowTheirFolderOnlyAndResetIt) {
                static_cast<std::ptrdiff_t>(maps->last().data.size());
   }));
   for (std::int8_t cell : maps->last().data) ASSERT_EQ(cell, -1);
+  expectRobotIn(maps->last());
   EXPECT_FALSE(save("empty").success);
 }
 

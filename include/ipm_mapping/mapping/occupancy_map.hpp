@@ -56,7 +56,7 @@ struct MapCounters {
 };
 
 /// Occupancy map on the floor of the odometry frame (the source, §5.4.2, §6.10.2, §7.3). Grows in
-/// blocks; update() allocates only then.
+/// blocks, around the robot and what it sees; update() allocates only then.
 ///
 /// `mark_once`: the cell of a contact is occupied for good, nothing is ever free (the source).
 /// `log_odds`: contacts add `hit` to their cell, floor seen along a bearing takes `miss` from the
@@ -110,6 +110,7 @@ class OccupancyMap {
 
   [[nodiscard]] std::optional<Cell> contactCell(const Contact& contact, const SE2& T_odom_base);
   [[nodiscard]] std::optional<Ray> rayOf(const Bearing& bearing, const GroundView& view) const;
+  void growForRobot(const GroundView& view, std::optional<Box>& needed) const;
   void growForContacts(const Obstacles& obstacles, std::optional<Box>& needed);
   void growForRays(const Obstacles& obstacles, std::optional<Box>& needed);
   bool widen(std::optional<Box>& needed, const Eigen::Vector2d& cells) const;

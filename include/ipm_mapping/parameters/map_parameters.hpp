@@ -23,6 +23,7 @@ struct MapParameters {
   double clamp = 3.5;
   double occupied_above = 0.65;
   double free_below = 0.35;
+  double margin = 0.5;
   int block = 64;
   int max_side = 4096;
 
@@ -40,6 +41,8 @@ struct MapParameters {
           "a cell is published as occupied from this probability on");
     field("free_below", self.free_below, Unit{"probability"}, Range{0.0, 0.5},
           "a cell is published as free up to this probability");
+    field("margin", self.margin, Unit{"m"}, Range{0.0, 100.0},
+          "the map reaches at least this far around the robot: planners look for it there");
     field("block", self.block, Unit{"cells"}, Range{8, 1024}, "the map grows in steps of this");
     field("max_side", self.max_side, Unit{"cells"}, Range{64, 32768},
           "the map grows no larger on either side; what falls outside is counted");

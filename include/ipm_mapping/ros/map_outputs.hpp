@@ -3,6 +3,7 @@
 #include <nav_msgs/OccupancyGrid.h>
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
+#include <Eigen/Core>
 
 #include <string>
 
@@ -20,6 +21,9 @@ class MapOutputs {
 
   /// Frame and stamp of what is published next.
   void setHeader(const std::string& frame, const ros::Time& stamp);
+  /// Where the robot is, in the map's frame: the unknown map that stands in while nothing was seen
+  /// lies around it.
+  void setRobot(const Eigen::Vector2d& place) { robot_ = place; }
   /// Publishes what changed since the last call.
   void publishChanges();
   /// Publishes everything: at the start, after a reset.
@@ -33,6 +37,7 @@ class MapOutputs {
 
   OccupancyMap& map_;
   double full_map_period_;
+  Eigen::Vector2d robot_ = Eigen::Vector2d::Zero();
   std_msgs::Header header_;
   ros::Publisher map_publisher_, probability_publisher_, updates_publisher_;
   std::uint64_t published_revision_ = 0;

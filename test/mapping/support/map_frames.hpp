@@ -50,6 +50,21 @@ inline std::int8_t occupancyAt(const OccupancyMap& map, double x, double y) {
                        static_cast<std::size_t>(cell.x - g.first.x));
 }
 
+inline int knownCells(const OccupancyMap& map) {
+  const MapGeometry& g = map.geometry();
+  int known = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(g.width * g.height); ++i)
+    known += map.probability(i) >= 0;
+  return known;
+}
+
+/// No room around the robot but its own cell.
+inline MapParameters withoutMargin() {
+  MapParameters p;
+  p.margin = 0.0;
+  return p;
+}
+
 inline MapParameters withUpdate(MapUpdate update) {
   MapParameters p;
   p.update = update;
