@@ -23,6 +23,11 @@ StageMonitor::StageMonitor(const ros::NodeHandle& node, const ros::NodeHandle& p
                                 [this](const ros::WallTimerEvent&) { updater_.force_update(); });
 }
 
+void StageMonitor::cannotStart(const std::string& sentence) {
+  cannot_start_ = "cannot start and stays idle: " + sentence;
+  ROS_FATAL_STREAM(name_ << ": " << cannot_start_);
+}
+
 void StageMonitor::received() {
   ++counters_["received"];
   ++period_.received;
@@ -80,7 +85,9 @@ bool StageMonitor::timeToSay(const std::string& sentence) {
 }
 
 void StageMonitor::summarize(diagnostic_updater::DiagnosticStatusWrapper& status) const {
-  if (asleep_)
+  if (!cannot_start_.empty())
+    status.summary(DiagnosticStatus::ERROR, cannot_start_);
+  else if (asleep_)
     status.summary(DiagnosticStatus::OK, "asleep: nobody listens");
   else if (period_.dropped > 0)
     status.summary(period_.used > 0 ? DiagnosticStatus::WARN : DiagnosticStatus::ERROR,

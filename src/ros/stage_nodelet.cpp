@@ -15,7 +15,10 @@ void StageNodelet::startOrStayIdle() {
     monitor_ = std::make_unique<StageMonitor>(node(), privateNode(), getName());
     start();
   } catch (const std::exception& error) {
-    NODELET_FATAL("%s: cannot start and stays idle: %s", getName().c_str(), error.what());
+    if (monitor_)
+      monitor_->cannotStart(error.what());
+    else
+      NODELET_FATAL("%s: cannot start and stays idle: %s", getName().c_str(), error.what());
   }
 }
 

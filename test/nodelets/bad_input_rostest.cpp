@@ -188,6 +188,15 @@ TEST_F(BadInput, AnswersThatArriveTwiceCountOnce) {
       [&] { return diagnostics_.value("mapper", "dropped_out_of_order") == before + 1.0; }));
 }
 
+TEST_F(BadInput, ANodeletThatCannotStartIsAnErrorThatSaysWhy) {
+  ASSERT_TRUE(waitFor([&] { return !diagnostics_.sentences["broken_mapper"].empty(); }));
+  EXPECT_EQ(diagnostics_.level("broken_mapper"), diagnostic_msgs::DiagnosticStatus::ERROR);
+  ASSERT_EQ(diagnostics_.sentences["broken_mapper"].size(), 1U);
+  const std::string sentence = diagnostics_.sentences["broken_mapper"].begin()->first;
+  EXPECT_NE(sentence.find("cannot start"), std::string::npos) << sentence;
+  EXPECT_NE(sentence.find("resolution"), std::string::npos) << sentence;
+}
+
 }  // namespace
 }  // namespace ipm_mapping
 

@@ -17,7 +17,8 @@ namespace ipm_mapping {
 
 /// Counts what becomes of a stage's input, says so on the console (each sentence at most every few
 /// seconds) and on /diagnostics (every second of wall time, whatever the simulated clock does):
-/// OK, WARN when input stays away or some of it is dropped, ERROR when nothing but faults came.
+/// OK, WARN when input stays away or some of it is dropped, ERROR when nothing but faults came or
+/// the stage could not start.
 /// The status' sentence is the commonest fault; each of them, with how often it came since the
 /// status before, is a value `fault_1`, `fault_2` ... ("3 times: sentence").
 class StageMonitor {
@@ -25,6 +26,8 @@ class StageMonitor {
   /// `name` as it shall stand in front of every sentence.
   StageMonitor(const ros::NodeHandle& node, const ros::NodeHandle& private_node, std::string name);
 
+  /// The stage stays idle for good, for this reason.
+  void cannotStart(const std::string& sentence);
   /// A message came in; `what` names the topic for "nothing comes in on ...".
   void expect(const std::string& what) { expected_ = what; }
   void received();
@@ -61,7 +64,7 @@ class StageMonitor {
   void listFaults(diagnostic_updater::DiagnosticStatusWrapper& status) const;
   [[nodiscard]] bool timeToSay(const std::string& sentence);
 
-  std::string name_, expected_, concern_;
+  std::string name_, expected_, concern_, cannot_start_;
   std::map<std::string, std::uint64_t> counters_;
   std::map<std::string, double> values_;
   std::map<std::string, ros::WallTime> said_;
