@@ -3,7 +3,9 @@
 parameters of config/move_base: the box that the camera saw is an obstacle, the floor in front of it
 is free, and nothing else is marked."""
 
+import copy
 import math
+import os
 import unittest
 
 import rospy
@@ -92,6 +94,33 @@ def scan_points(scan, inf_is_valid):
     return points
 
 
+def cut_scan(scan, range_max):
+    """The same scan, published with a smaller range_max."""
+    cut = copy.deepcopy(scan)
+    cut.range_max = range_max
+    cut.ranges = [float('inf') if r >= range_max else r for r in scan.ranges]
+    return cut
+
+
+def static_cells(grid, parameters):
+    """costmap_2d::StaticLayer, trinary: cell -> True, False, or None where it writes `unknown`."""
+    width, info, cells = grid.info.width, grid.info, {}
+    for i, value in enumerate(grid.data):
+        c = cell(info.origin.position.x + (i % width + 0.5) * info.resolution,
+                 info.origin.position.y + (i // width + 0.5) * info.resolution)
+        unknown = value == parameters['unknown_cost_value']
+        cells[c] = (None if unknown and parameters['track_unknown_space'] else
+                    value >= parameters['lethal_cost_threshold'])
+    return cells
+
+
+def combine(master, cells, maximum):
+    """costmap_2d::CostmapLayer: unknown cells of the layer leave the master as it is."""
+    for c, occupied in cells.items():
+        if occupied is not None:
+            master[c] = bool(maximum and master.get(c)) or occupied
+
+
 class Navigation(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -106,9 +135,16 @@ class Navigation(unittest.TestCase):
         while any(each.get_num_connections() == 0 for each in cls.subscribers):
             rospy.rostime.wallsleep(0.1)
         rospy.set_param('/listening', True)
-        with open(rospy.get_param('~config')) as file:
-            cls.parameters = yaml.safe_load(file)['obstacle_layer']
+        common = cls.load('costmap_common.yaml')
+        cls.parameters = common['obstacle_layer']
+        cls.local = cls.load('local_costmap.yaml')['local_costmap']
+        cls.static_layer = dict(common['static_layer'], **cls.local['static_layer'])
         cls.wait_for_the_end()
+
+    @staticmethod
+    def load(name):
+        with open(os.path.join(rospy.get_param('~config'), name)) as file:
+            return yaml.safe_load(file)
 
     @classmethod
     def keep(cls, message, name):
@@ -134,18 +170,24 @@ class Navigation(unittest.TestCase):
         return (all(len(each) == len(obstacles) for each in cls.messages.values())
                 and cls.map is not None and cls.map.header.stamp == max(obstacles))
 
-    def points(self, name, stamp):
+    def points(self, name, stamp, range_max=None):
         message = self.messages[name][stamp]
         if name == 'scan':
-            return scan_points(message, self.parameters['scan']['inf_is_valid'])
+            scan = cut_scan(message, range_max) if range_max else message
+            return scan_points(scan, self.parameters['scan']['inf_is_valid'])
         return list(point_cloud2.read_points(message, ('x', 'y', 'z')))
 
-    def layer(self, sources):
-        layer = ObstacleLayer(self.parameters, sources)
+    def layer(self, sources, range_max=None, parameters=None):
+        layer = ObstacleLayer(parameters or self.parameters, sources)
         for stamp in sorted(self.messages['obstacles']):
             pose = self.messages['obstacles'][stamp].view.pose
-            layer.update(pose, {name: self.points(name, stamp) for name in sources})
+            layer.update(pose, {name: self.points(name, stamp, range_max) for name in sources})
         return layer
+
+    def marking_scan(self, obstacle_range):
+        """Parameters of somebody who marks from the scan alone."""
+        return dict(self.parameters, obstacle_range=obstacle_range,
+                    scan=dict(self.parameters['scan'], marking=True))
 
     def check(self, layer):
         on_box = [c for c in layer.lethal() if distance_to_box(*centre(c)) < 0.1]
@@ -162,14 +204,25 @@ class Navigation(unittest.TestCase):
         for name in ('scan', 'contacts', 'free'):
             self.assertEqual(set(self.messages[name]), set(self.messages['obstacles']))
 
-    def test_scan_alone_marks_the_box_and_clears_the_floor(self):
-        self.check(self.layer(['scan']))
+    def test_scan_alone_can_mark_the_box_and_clear_the_floor(self):
+        self.check(self.layer(['scan'], parameters=self.marking_scan(1.95)))
+
+    def test_scan_must_not_mark_at_its_end(self):
+        """The rule obstacle_range < range_max, and that this test sees what breaks it."""
+        self.check(self.layer(['scan'], 1.85, self.marking_scan(1.8)))
+        ring = self.layer(['scan'], 1.0, self.marking_scan(1.95)).lethal()
+        self.assertGreater(len([c for c in ring if distance_to_box(*centre(c)) > 0.15]), 3)
 
     def test_contacts_and_free_alone_do_too(self):
         self.check(self.layer(['contacts', 'free']))
 
     def test_all_sources_together_do(self):
         self.check(self.layer(self.parameters['observation_sources'].split()))
+
+    def test_a_scan_that_ends_earlier_makes_no_ring(self):
+        """sweep/max_range or output/scan_range_max may be lower than obstacle_range."""
+        for range_max in (1.0, 1.5, 1.85):
+            self.check(self.layer(self.parameters['observation_sources'].split(), range_max))
 
     def test_the_configuration_reads_what_is_published(self):
         self.assertEqual(self.parameters['observation_sources'].split(),
@@ -179,6 +232,8 @@ class Navigation(unittest.TestCase):
             self.assertLess(self.parameters['obstacle_range'], scan.range_max - 0.0001)
             self.assertGreaterEqual(self.parameters['raytrace_range'], scan.range_max)
         self.assertTrue(self.parameters['scan']['inf_is_valid'])
+        self.assertFalse(self.parameters['scan']['marking'], 'free rays may end in an obstacle')
+        self.assertTrue(self.parameters['contacts']['marking'])
         self.assertFalse(self.parameters['free']['marking'], 'free floor would be an obstacle')
         self.assertFalse(self.parameters['contacts']['clearing'])
 
@@ -196,17 +251,40 @@ class Navigation(unittest.TestCase):
     def test_static_layer_reads_the_map_as_it_is(self):
         """costmap_2d::StaticLayer, trinary, lethal_cost_threshold 100."""
         self.assertEqual(self.map.header.frame_id, 'odom')
-        lethal, free = [], 0
-        width, info = self.map.info.width, self.map.info
-        for i, value in enumerate(self.map.data):
-            if value >= 100:
-                lethal.append((info.origin.position.x + (i % width + 0.5) * info.resolution,
-                               info.origin.position.y + (i // width + 0.5) * info.resolution))
-            free += value == 0
-        self.assertGreater(free, 300)
+        cells = static_cells(self.map, dict(self.static_layer, track_unknown_space=True))
+        lethal = [c for c, occupied in cells.items() if occupied]
+        self.assertGreater(list(cells.values()).count(False), 300)
         self.assertGreater(len(lethal), 3)
-        for x, y in lethal:
-            self.assertLess(distance_to_box(x, y), 0.15)
+        for c in lethal:
+            self.assertLess(distance_to_box(*centre(c)), 0.15)
+
+    def local_costmap(self, obstacle_layer):
+        """The plugins of local_costmap.yaml, one on top of the other."""
+        master = {}
+        for plugin in self.local['plugins']:
+            if plugin['name'] == 'static_layer':
+                master.update(static_cells(self.map, self.static_layer))
+            elif plugin['name'] == 'obstacle_layer':
+                combine(master, obstacle_layer.cells, self.parameters['combination_method'] == 1)
+        return master
+
+    def test_what_passes_below_the_view_stays_in_the_local_costmap(self):
+        layer = self.layer(self.parameters['observation_sources'].split())
+        pose = self.messages['obstacles'][max(self.messages['obstacles'])].view.pose
+        over_the_box = [(2.5 * math.cos(a), 2.5 * math.sin(a), 0.0)
+                        for a in (0.002 * i for i in range(-600, 601))]
+        layer.update(pose, {'scan': over_the_box, 'contacts': [], 'free': []})
+        self.assertEqual(layer.lethal(), [], 'the rays were meant to clear the box')
+        costmap = self.local_costmap(layer)
+        on_box = [c for c in costmap if costmap[c] and distance_to_box(*centre(c)) < 0.1]
+        self.assertGreater(len(on_box), 3, 'the box has vanished')
+
+    def test_the_local_costmap_has_no_unknown_cells(self):
+        """DWA does not drive onto them."""
+        self.assertIn(-1, self.map.data)
+        layer = self.layer(self.parameters['observation_sources'].split())
+        self.assertNotIn(None, self.local_costmap(layer).values())
+        self.assertFalse(self.local['track_unknown_space'])
 
 
 if __name__ == '__main__':

@@ -15,6 +15,9 @@ import xml.etree.ElementTree as ElementTree
 
 FOLDER = sys.argv.pop(1)
 REQUIRED = {"replay.launch": {"bag"}}
+# Of the arguments that are passed on to chain.launch, those with a default of their own.
+OWN_DEFAULT = {"replay.launch": {"rviz"},
+               "move_base.launch": {"base_frame", "odom_frame", "global_frame"}}
 UNIT = re.compile(r"\b(m|rad|seconds|times|grey levels)\b")
 
 
@@ -26,6 +29,11 @@ def arguments(path):
     """Of the file itself: name -> attributes. Those with a value are made from others."""
     found = [each.attrib for each in ElementTree.parse(path).getroot().findall("arg")]
     return {each["name"]: each for each in found}
+
+
+def passes_everything_to_the_chain(path):
+    return any(each.get("file", "").endswith("/chain.launch") and each.get("pass_all_args") == "true"
+               for each in ElementTree.parse(path).getroot().iter("include"))
 
 
 def is_number(text):
@@ -64,6 +72,18 @@ class LaunchArguments(unittest.TestCase):
                     if attributes.get("default") == word:
                         self.assertIn(word if word in ("none", "auto") else "true",
                                       attributes["doc"], "%s: %s" % (os.path.basename(path), name))
+
+    def test_what_is_passed_on_is_all_of_the_chain(self):
+        chain = arguments(os.path.join(FOLDER, "chain.launch"))
+        passing = [path for path in launch_files() if passes_everything_to_the_chain(path)]
+        self.assertEqual([os.path.basename(path) for path in passing],
+                         ["move_base.launch", "replay.launch"])
+        for path in passing:
+            name, own = os.path.basename(path), arguments(path)
+            settable = {each for each in chain if "value" not in chain[each]}
+            self.assertLessEqual(settable, set(own), name)
+            other = {each for each in settable if own[each]["default"] != chain[each]["default"]}
+            self.assertEqual(other, OWN_DEFAULT[name], name)
 
     def test_roslaunch_lists_them_all(self):
         for path in launch_files():
