@@ -53,7 +53,9 @@ class Detect : public StageNodelet {
 
   void change(const Parameters& changed) {
     obstacle_outputs_->setParameters(changed.output);
-    memory_ = ContactMemory(changed.memory);
+    const std::vector<std::string> memory{"memory"};
+    if (!(toConfig(changed, memory) == toConfig(parameters_, memory)))
+      memory_ = ContactMemory(changed.memory);
     Parameters same = changed;
     same.output = parameters_.output;
     same.memory = parameters_.memory;

@@ -222,10 +222,11 @@ void LiveParameters::publish() { updates_.publish(toConfig(parameters_, groups_)
 
 bool LiveParameters::onRequest(dynamic_reconfigure::Reconfigure::Request& request,
                                dynamic_reconfigure::Reconfigure::Response& response) {
+  const Config before = toConfig(parameters_, groups_);
   for (const std::string& sentence : applyConfig(request.config, groups_, parameters_))
     ROS_WARN_STREAM(private_node_.getNamespace() << ": " << sentence);
-  changed_(parameters_);
   response.config = toConfig(parameters_, groups_);
+  if (!(response.config == before)) changed_(parameters_);
   updates_.publish(response.config);
   return true;
 }

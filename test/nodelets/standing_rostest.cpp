@@ -1,6 +1,7 @@
 // A robot that drives, with wheels that count too much, and then stands: what it saw stays on the
 // topics and ages, the map stays as it is, and odom_refined knows better than the wheels.
 
+#include <dynamic_reconfigure/Reconfigure.h>
 #include <gtest/gtest.h>
 #include <sensor_msgs/point_cloud2_iterator.h>
 
@@ -218,6 +219,30 @@ TEST_F(Standing, AnswersArePlacedWhereThePosesParameterSays) {
     apart = std::max(apart, std::hypot(floor.x - wheels.x, floor.y - wheels.y));
   }
   EXPECT_GT(apart, 0.01) << "the two have to differ for this to say something";
+}
+
+/// Last: it adds a frame to what the others look at.
+TEST_F(Standing, AnotherHeightOfThePointsOrARefusedChangeForgetsNothing) {
+  dynamic_reconfigure::Reconfigure height, refused;
+  height.request.config.doubles.resize(1);
+  height.request.config.doubles[0].name = "output/contact_z";
+  height.request.config.doubles[0].value = 0.15;
+  refused.request.config.doubles.resize(1);
+  refused.request.config.doubles[0].name = "memory/hold";
+  refused.request.config.doubles[0].value = -1.0;
+  for (auto* call : {&height, &refused})
+    ASSERT_TRUE(ros::service::call("/camera/detector/set_parameters", *call));
+  const std::size_t before = obstacles->size();
+  const int frame = driving + standing;
+  const double t = topics->robot.frameTime(frame);
+  topics->sendInfo(t);
+  topics->sendImage(topics->robot.image(topics->stamp(t), truth(frame)));
+  for (int k = 1; k <= 5; ++k) sendWheels(frame, k);
+  ASSERT_TRUE(waitFor([&] { return obstacles->size() > before && contacts->size() > before; }));
+  EXPECT_GT(obstacles->last().age, 0.0F);
+  EXPECT_FALSE(obstacles->last().contacts.empty());
+  const sensor_msgs::PointCloud2ConstIterator<float> z(contacts->last(), "z");
+  EXPECT_FLOAT_EQ(*z, 0.15F);
 }
 
 }  // namespace
