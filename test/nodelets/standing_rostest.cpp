@@ -228,8 +228,8 @@ TEST_F(Standing, AnotherHeightOfThePointsOrARefusedChangeForgetsNothing) {
   height.request.config.doubles[0].name = "output/contact_z";
   height.request.config.doubles[0].value = 0.15;
   refused.request.config.doubles.resize(1);
-  refused.request.config.doubles[0].name = "memory/hold";
-  refused.request.config.doubles[0].value = -1.0;
+  refused.request.config.doubles[0].name = "map/hit";  // not one of those that change live
+  refused.request.config.doubles[0].value = 0.5;
   for (auto* call : {&height, &refused})
     ASSERT_TRUE(ros::service::call("/camera/detector/set_parameters", *call));
   const std::size_t before = obstacles->size();
