@@ -146,20 +146,23 @@ float BearingSelection::distanceOf(const BeamChoice& choice) const {
 
 /// A beam beside a nearer, stronger contact sees both the obstacle's side and what is behind it:
 /// its contact is dropped, unless the beams on the other side see the same thing (a wall that
-/// recedes, or the background itself).
+/// recedes, or the background itself). Between nearer contacts on both sides it is dropped however
+/// strong it is: a silhouette scores high, and nothing passes through a gap of a beam or two.
 bool BearingSelection::straddles(const std::vector<BeamChoice>& choices, int beam) const {
   const auto gap = static_cast<float>(parameters_.straddle_gap);
   const auto ratio = static_cast<float>(parameters_.straddle_ratio);
   const BeamChoice& here = choices[static_cast<std::size_t>(beam)];
   if (!here.any()) return false;
+  int sides_nearer = 0;
   for (const int side : {-1, 1}) {
-    bool hidden = false, confirmed = false;
+    bool any_nearer = false, hidden = false, confirmed = false;
     for (int step = 1; step <= straddle_reach; ++step) {
       const int nearer = beam + side * step, other = beam - side * step;
       if (nearer >= 0 && nearer < beams_) {
         const BeamChoice& there = choices[static_cast<std::size_t>(nearer)];
-        hidden |= there.any() && distanceOf(here) - distanceOf(there) > gap &&
-                  there.score > ratio * here.score;
+        const bool is_nearer = there.any() && distanceOf(here) - distanceOf(there) > gap;
+        any_nearer |= is_nearer;
+        hidden |= is_nearer && there.score > ratio * here.score;
       }
       if (other >= 0 && other < beams_) {
         const BeamChoice& there = choices[static_cast<std::size_t>(other)];
@@ -168,8 +171,9 @@ bool BearingSelection::straddles(const std::vector<BeamChoice>& choices, int bea
       }
     }
     if (hidden && !confirmed) return true;
+    sides_nearer += any_nearer ? 1 : 0;
   }
-  return false;
+  return sides_nearer == 2;
 }
 
 void BearingSelection::select(const SweepScores& scores, std::vector<BeamChoice>& choices) {
