@@ -9,7 +9,7 @@
 namespace ipm_mapping::kernels {
 namespace {
 
-/// A wider instruction set is a lower bit.
+/// Widest first.
 template <class Visitor>
 void visitTargets(Visitor&& visit) {
   for (std::int64_t rest = hwy::SupportedTargets(); rest != 0; rest &= rest - 1)
@@ -38,9 +38,7 @@ std::optional<std::string> limitSimd(const std::string& name) {
     known += (known.empty() ? "" : ", ") + std::string(hwy::TargetName(target));
   });
   if (wanted == 0) return "no instruction set '" + name + "' here; there are " + known;
-  const std::int64_t rest = hwy::SupportedTargets() & ~(wanted - 1);
-  hwy::SetSupportedTargetsForTest(rest);
-  hwy::GetChosenTarget().Update(rest);
+  hwy::DisableTargets(wanted - 1);  // a wider one is a lower bit
   return std::nullopt;
 }
 
