@@ -7,13 +7,13 @@
 
 namespace ipm_mapping::sweep {
 
-void FootEdge::configure(const VerticalSweep& sweep, const SelectionParameters& selection,
-                         const StraightFootParameters& parameters) {
-  selection_ = selection;
+void FootEdge::configure(const VerticalSweep& sweep, const FreeFloorParameters& free_floor,
+                         const FootParameters& parameters) {
+  free_floor_ = free_floor;
   parameters_ = parameters;
   first_r_ = sweep.r(0.0);
   candidates_per_log_ = 1.0 / std::log(sweep.r(1.0) / first_r_);
-  plain_edge_.configure(sweep, selection, parameters);
+  plain_edge_.configure(sweep, free_floor, parameters);
 }
 
 double FootEdge::candidateOf(double r) const {
@@ -35,17 +35,17 @@ float FootEdge::contrastAt(const ComparedFrame& frame, int beam, const BeamChoic
 /// Is everything from the near end of the view up to the edge floor in the eyes of the references?
 bool FootEdge::floorInFront(const ComparedFrame& frame, int beam, int row) const {
   const int end = frame.sweep.rows(beam).end;
-  for (int from = row + PlainEdge::edge_rows; from < end; from += selection_.free_window) {
+  for (int from = row + PlainEdge::edge_rows; from < end; from += free_floor_.free_window) {
     int sum = 0, number = 0;
     for (int q = 0; q < frame.count; ++q) {
       const std::uint16_t* cost = frame.references[q].floor_cost.row(beam);
-      for (int j = from; j < std::min(end, from + selection_.free_window); ++j) {
+      for (int j = from; j < std::min(end, from + free_floor_.free_window); ++j) {
         if (cost[j] == kernels::no_cost) continue;
         sum += cost[j];
         ++number;
       }
     }
-    if (sum > selection_.free_cost * kernels::cost_unit * number) return false;
+    if (sum > free_floor_.free_cost * kernels::cost_unit * number) return false;
   }
   return true;
 }

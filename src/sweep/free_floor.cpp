@@ -35,7 +35,7 @@ void shorten(Bearing& bearing, double range) {
 
 }  // namespace
 
-void FreeFloor::configure(const SelectionParameters& parameters) {
+void FreeFloor::configure(const FreeFloorParameters& parameters) {
   parameters_ = parameters;
   remembered_.clear();
   remembered_.reserve(most_remembered);

@@ -11,10 +11,10 @@ constexpr std::size_t most_known = 2048;
 }  // namespace
 
 void RememberedFoot::configure(const VerticalSweep& sweep, double height,
-                               const SelectionParameters& selection,
-                               const StraightFootParameters& parameters) {
+                               const FreeFloorParameters& free_floor,
+                               const FootParameters& parameters) {
   parameters_ = parameters;
-  edge_.configure(sweep, selection, parameters);
+  edge_.configure(sweep, free_floor, parameters);
   height_ = height;
   first_azimuth_ = sweep.azimuth(0);
   azimuth_step_ = sweep.azimuth(1) - first_azimuth_;

@@ -27,11 +27,11 @@ void FloorLine::add(const Eigen::Vector2d& direction, double r) {
 }
 
 void StraightFoot::configure(const VerticalSweep& sweep, double height,
-                             const SelectionParameters& selection,
-                             const StraightFootParameters& parameters) {
+                             const FreeFloorParameters& free_floor,
+                             const FootParameters& parameters) {
   parameters_ = parameters;
   height_ = height;
-  edge_.configure(sweep, selection, parameters);
+  edge_.configure(sweep, free_floor, parameters);
   direction_.clear();
   for (int beam = 0; beam < sweep.beams(); ++beam)
     direction_.emplace_back(std::cos(sweep.azimuth(beam)), std::sin(sweep.azimuth(beam)));

@@ -52,7 +52,7 @@ Contact SweepDetector::contactOf(int beam, const BeamChoice& choice) const {
 /// stays cheap in the eyes of one reference.
 SweepDetector::FloorReach SweepDetector::floorReach(int beam, const SweepReference& view) const {
   const RowRange rows = sweep_.rows(beam);
-  const int window = parameters_.selection.free_window;
+  const int window = parameters_.free_floor.free_window;
   const double unit = static_cast<double>(kernels::cost_unit) * window;
   const std::uint16_t* cost = view.floor_cost.row(beam);
   FloorReach reach;
@@ -61,7 +61,7 @@ SweepDetector::FloorReach SweepDetector::floorReach(int beam, const SweepReferen
     sum += cost[row];
     if (++number > window) sum -= cost[row + window];
     if (number == window) reach.nearest_cost = sum / unit;
-    if (number >= window && sum > parameters_.selection.free_cost * unit) break;
+    if (number >= window && sum > parameters_.free_floor.free_cost * unit) break;
   }
   if (number > window) reach.range = grid_.distance((row + window) * PolarGrid::rows_per_sweep_row);
   return reach;
@@ -82,7 +82,7 @@ Bearing SweepDetector::floorBearing(int beam) const {
   }
   bearing.range = static_cast<float>(range);
   if (range > 0.0) bearing.state = BearingState::Free;
-  if (least_cost > parameters_.selection.blocked_cost) bearing.state = BearingState::Blocked;
+  if (least_cost > parameters_.free_floor.blocked_cost) bearing.state = BearingState::Blocked;
   return bearing;
 }
 

@@ -52,11 +52,11 @@ void SweepDetector::configure(const CameraPose& T_base_camera) {
                    parameters_.evidence);
   selection_.configure(sweep_, grid_.height, parameters_.selection);
   leaning_.configure(parameters_.selection);
-  free_floor_.configure(parameters_.selection);
+  free_floor_.configure(parameters_.free_floor);
   edge_.configure(parameters_.selection);
-  straight_foot_.configure(sweep_, grid_.height, parameters_.selection, parameters_.foot);
-  remembered_foot_.configure(sweep_, grid_.height, parameters_.selection, parameters_.foot);
-  plain_edge_.configure(sweep_, parameters_.selection, parameters_.foot);
+  straight_foot_.configure(sweep_, grid_.height, parameters_.free_floor, parameters_.foot);
+  remembered_foot_.configure(sweep_, grid_.height, parameters_.free_floor, parameters_.foot);
+  plain_edge_.configure(sweep_, parameters_.free_floor, parameters_.foot);
   ring_.configure(grid_, parameters_.reference);
   current_.image.resize(grid_.rows, grid_.lines);
   current_grey_.resize(grid_.sweepRows(), grid_.lines);

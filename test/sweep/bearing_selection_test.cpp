@@ -117,6 +117,14 @@ TEST_F(Selection, AContactThatStraddlesAnEdgeIsDroppedAndARecedingWallIsNot) {
   EXPECT_TRUE(select()[11].any());
 }
 
+TEST_F(Selection, BetweenNearerContactsOnBothSidesNothingIsSeenHoweverStrong) {
+  for (int beam = 3; beam < 14; ++beam) peak(beam, beam == 8 ? 62 : 80, beam == 8 ? 60.0F : 30.0F);
+  EXPECT_FALSE(select()[8].any());
+  EXPECT_TRUE(select()[7].any());
+  for (int beam = 6; beam < 11; ++beam) peak(beam, 62, 60.0F), peak(beam, 80, 0.0F);
+  EXPECT_TRUE(select()[8].any()) << "a gap that something passes through";
+}
+
 /// Cheapest sequence of states by trying all of them, on a handful of beams and candidates.
 TEST_F(Selection, ThePathIsTheCheapestOfAllPaths) {
   const int beams = 4, base = 50, width = 4;

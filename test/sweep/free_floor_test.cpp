@@ -40,7 +40,7 @@ class Free : public ::testing::Test {
   Bearing& at(int i) { return obstacles.bearings[static_cast<std::size_t>(i)]; }
   void limit(const SE2& pose = {}) { free_floor.limit(pose, obstacles); }
 
-  SelectionParameters parameters;
+  FreeFloorParameters parameters;
   FreeFloor free_floor;
   Obstacles obstacles;
 };

@@ -13,13 +13,13 @@ class PlainEdgeLimit : public PlainWall {
   /// How far the floor of a beam may be called free.
   double limit(int beam) {
     PlainEdge edge;
-    edge.configure(sweep, selection, parameters);
+    edge.configure(sweep, free_floor, parameters);
     const SweepReference one = reference();
     return edge.limit(current(), &one, 1, sweep, beam, range);
   }
   [[nodiscard]] double wallDistance(int beam) const { return wall / std::cos(sweep.azimuth(beam)); }
 
-  SelectionParameters selection;
+  FreeFloorParameters free_floor;
 };
 
 TEST_F(PlainEdgeLimit, FloorEndsAtAnEdgeBehindWhichNothingIsToBeSeen) {
@@ -35,11 +35,11 @@ TEST_F(PlainEdgeLimit, FloorGoesOnBehindALineOnTheFloor) {
 }
 
 TEST_F(PlainEdgeLimit, AFaintEdgeAndOneBeyondTheRangeAreNotAsked) {
-  selection.free_edge = 60.0;
+  free_floor.free_edge = 60.0;
   EXPECT_EQ(limit(middle), range);
-  selection.free_edge = 6.0;
+  free_floor.free_edge = 6.0;
   PlainEdge edge;
-  edge.configure(sweep, selection, parameters);
+  edge.configure(sweep, free_floor, parameters);
   const SweepReference one = reference();
   EXPECT_EQ(edge.limit(current(), &one, 1, sweep, middle, 0.9), 0.9);
 }
@@ -49,7 +49,7 @@ TEST_F(PlainEdgeLimit, WhereNothingCanBeComparedTheFloorsCostDecidesAlone) {
   const SweepReference turned_away{even.view(), odd.view(), cost.view(),
                                    FootMotion({0.0, 0.0, 2.5}, {0.05, -0.01})};
   PlainEdge edge;
-  edge.configure(sweep, selection, parameters);
+  edge.configure(sweep, free_floor, parameters);
   EXPECT_EQ(edge.limit(current(), &turned_away, 1, sweep, middle, range), range);
 }
 

@@ -70,7 +70,7 @@ class PlainWall : public ::testing::Test {
   std::vector<RowRange> rows;
   Image<std::int16_t> grey, even, odd;
   Image<std::uint16_t> weight, cost;
-  StraightFootParameters parameters;
+  FootParameters parameters;
 };
 
 }  // namespace ipm_mapping::sweep

@@ -15,7 +15,7 @@ class Remembered : public PlainWall {
     PlainWall::SetUp();
     choices.assign(static_cast<std::size_t>(sweep.beams()), BeamChoice{});
   }
-  void configure() { remembered.configure(sweep, grid.height, SelectionParameters{}, parameters); }
+  void configure() { remembered.configure(sweep, grid.height, FreeFloorParameters{}, parameters); }
   /// The wall, 1.2 m away, seen by its own texture. Its picture is that of a wall at 1.2 m.
   void see(double stamp) {
     clear();

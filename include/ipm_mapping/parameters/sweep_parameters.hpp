@@ -3,7 +3,8 @@
 // heights; costs are in squared standard deviations of the grey-level noise.
 
 #include "ipm_mapping/parameters/field.hpp"
-#include "ipm_mapping/parameters/straight_foot_parameters.hpp"
+#include "ipm_mapping/parameters/foot_parameters.hpp"
+#include "ipm_mapping/parameters/free_floor_parameters.hpp"
 
 namespace ipm_mapping::sweep {
 
@@ -216,13 +217,6 @@ struct SelectionParameters {
   bool straddle = true;
   double straddle_gap = 0.133;
   double straddle_ratio = 1.5;
-  double free_cost = 1.3;
-  double free_edge = 6.0;
-  int free_halo = 6;
-  double free_gap = 0.3;
-  double near_memory = 30.0;
-  double blocked_cost = 2.0;
-  int free_window = 15;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& field) {
@@ -261,31 +255,13 @@ struct SelectionParameters {
     field("edge_nearer", self.edge_nearer, Unit{"candidates"}, Range{0, 64},
           "how far in front of it: surfaces that lean away are seen too far");
     field("straddle", self.straddle,
-          "drop a contact beside a clearly nearer and stronger one: its beam straddles an edge");
+          "drop a contact beside a clearly nearer and stronger one, or between two clearly nearer "
+          "ones: "
+          "its beam straddles an edge");
     field("straddle_gap", self.straddle_gap, Unit{"camera heights"}, Range{0.0, 10.0},
           "how much nearer 'clearly nearer' is");
     field("straddle_ratio", self.straddle_ratio, Unit{""}, Range{1.0, 100.0},
           "how much stronger 'clearly stronger' is");
-    field("free_cost", self.free_cost, Unit{"sigma^2"}, Range{0.0, 9.0},
-          "floor is called free while its mean cost stays below this");
-    field(
-        "free_edge", self.free_edge, Unit{"grey levels/row"}, Range{0.1, 255.0},
-        "behind an edge of the image with this contrast only floor whose texture is seen to go on "
-        "there is called free: something plain may stand there; 255: not asked");
-    field("free_halo", self.free_halo, Unit{"beams"}, Range{0, 100},
-          "floor is called free no farther than the contacts this many beams beside it: an "
-          "obstacle's "
-          "plain parts look like floor");
-    field("free_gap", self.free_gap, Unit{"m"}, Range{0.0, 10.0},
-          "between two contacts closer together than this nothing behind them is free: no robot "
-          "passes there");
-    field("near_memory", self.near_memory, Unit{"s"}, Range{0.0, 3600.0},
-          "how long a contact that passed below the view goes on hiding what is behind it; 0: not");
-    field("blocked_cost", self.blocked_cost, Unit{"sigma^2"}, Range{0.0, 9.0},
-          "a beam without contact whose nearest floor costs more than this is blocked: something "
-          "stands nearer than the view");
-    field("free_window", self.free_window, Unit{"rows"}, Range{1, 100},
-          "over how many rows that mean is taken");
   }
 };
 
@@ -312,7 +288,8 @@ struct SweepParameters {
   NoiseParameters noise;
   EvidenceParameters evidence;
   SelectionParameters selection;
-  StraightFootParameters foot;
+  FreeFloorParameters free_floor;
+  FootParameters foot;
   CalibrationUncertainty uncertainty;
 
   template <class Self, class Visitor>
@@ -323,7 +300,8 @@ struct SweepParameters {
     NoiseParameters::fields(self.noise, field);
     EvidenceParameters::fields(self.evidence, field);
     SelectionParameters::fields(self.selection, field);
-    StraightFootParameters::fields(self.foot, field);
+    FreeFloorParameters::fields(self.free_floor, field);
+    FootParameters::fields(self.foot, field);
     CalibrationUncertainty::fields(self.uncertainty, field);
   }
 };

@@ -30,8 +30,8 @@ struct KnownFoot {
 /// known one, is as high, and as sure of its range as a flat maximum.
 class FootEdge {
  public:
-  void configure(const VerticalSweep& sweep, const SelectionParameters& selection,
-                 const StraightFootParameters& parameters);
+  void configure(const VerticalSweep& sweep, const FreeFloorParameters& free_floor,
+                 const FootParameters& parameters);
 
   /// A contact of a beam near an expected candidate; none where the edge is not there.
   BeamChoice find(const ComparedFrame& frame, const KnownFoot& known, int beam,
@@ -46,8 +46,8 @@ class FootEdge {
   bool mayStand(const ComparedFrame& frame, int beam, int candidate) const;
   bool floorInFront(const ComparedFrame& frame, int beam, int row) const;
 
-  SelectionParameters selection_;
-  StraightFootParameters parameters_;
+  FreeFloorParameters free_floor_;
+  FootParameters parameters_;
   PlainEdge plain_edge_;
   double candidates_per_log_ = 1.0, first_r_ = 1.0;
 };

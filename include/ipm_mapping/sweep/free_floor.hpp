@@ -17,7 +17,7 @@ namespace ipm_mapping::sweep {
 /// is as free as they are.
 class FreeFloor {
  public:
-  void configure(const SelectionParameters& parameters);
+  void configure(const FreeFloorParameters& parameters);
   void reset() { remembered_.clear(); }
 
   /// Limits the free bearings of a frame and remembers its contacts. `T_floor_base` is the pose of
@@ -36,7 +36,7 @@ class FreeFloor {
   void belowTheView(const SE2& T_floor_base, Obstacles& obstacles);
   void remember(const SE2& T_floor_base, const Obstacles& obstacles);
 
-  SelectionParameters parameters_;
+  FreeFloorParameters parameters_;
   std::vector<Remembered> remembered_;
 };
 

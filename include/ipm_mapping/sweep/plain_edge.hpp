@@ -16,8 +16,8 @@ class PlainEdge {
  public:
   static constexpr int edge_rows = 2;  ///< rows on either side of an edge that it blurs
 
-  void configure(const VerticalSweep& sweep, const SelectionParameters& selection,
-                 const StraightFootParameters& parameters);
+  void configure(const VerticalSweep& sweep, const FreeFloorParameters& free_floor,
+                 const FootParameters& parameters);
 
   /// May something stand at a candidate that is an edge of the image? No where the floor's texture
   /// goes on behind it, or too little can be compared. Needs VerticalSweep::aimBeam().

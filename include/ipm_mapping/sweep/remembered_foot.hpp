@@ -15,8 +15,8 @@ namespace ipm_mapping::sweep {
 /// that a frame found by itself are remembered: what was found by memory does not feed it.
 class RememberedFoot {
  public:
-  void configure(const VerticalSweep& sweep, double height, const SelectionParameters& selection,
-                 const StraightFootParameters& parameters);
+  void configure(const VerticalSweep& sweep, double height, const FreeFloorParameters& free_floor,
+                 const FootParameters& parameters);
   void reset() { known_.clear(); }
 
   /// Fills choices of beams that have none, then remembers those that had one before. Azimuths
@@ -40,7 +40,7 @@ class RememberedFoot {
   void remember(const ComparedFrame& frame, const SE2& T_floor_foot, double stamp,
                 const std::vector<BeamChoice>& choices);
 
-  StraightFootParameters parameters_;
+  FootParameters parameters_;
   FootEdge edge_;
   double height_ = 1.0, first_azimuth_ = 0.0, azimuth_step_ = 1.0;
   std::vector<Known> known_;   // oldest first

@@ -31,8 +31,8 @@ class FloorLine {
 /// score and support are what is known of the foot.
 class StraightFoot {
  public:
-  void configure(const VerticalSweep& sweep, double height, const SelectionParameters& selection,
-                 const StraightFootParameters& parameters);
+  void configure(const VerticalSweep& sweep, double height, const FreeFloorParameters& free_floor,
+                 const FootParameters& parameters);
 
   /// Fills choices of beams that have none.
   void complete(const ComparedFrame& frame, std::vector<BeamChoice>& choices);
@@ -53,7 +53,7 @@ class StraightFoot {
   void walk(const Scene& scene, const Run& run, int side);
   [[nodiscard]] Eigen::Vector2d point(int beam, double r) const;
 
-  StraightFootParameters parameters_;
+  FootParameters parameters_;
   FootEdge edge_;
   double height_ = 1.0;
   std::vector<Eigen::Vector2d> direction_;  // of every beam

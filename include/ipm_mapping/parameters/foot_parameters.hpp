@@ -4,8 +4,9 @@
 
 namespace ipm_mapping::sweep {
 
-/// Contacts along the straight foot of a plain face.
-struct StraightFootParameters {
+/// Contacts of plain faces, by the edge at their foot: along a straight one, and from frame to
+/// frame.
+struct FootParameters {
   double foot_reach = 2.0;
   double foot_length = 0.2;
   int foot_beams = 3;
@@ -41,8 +42,10 @@ struct StraightFootParameters {
     field("foot_doubt", self.foot_doubt, Unit{""}, Range{0.0, 1000.0},
           "an upright surface that scores less than minus this there is floor behind a line on the "
           "floor");
-    field("foot_score", self.foot_score, Unit{""}, Range{0.0, 1.0},
-          "score of such a contact: this share of the lowest of the run");
+    field(
+        "foot_score", self.foot_score, Unit{""}, Range{0.0, 1.0},
+        "score of a contact that was found by its edge: this share of the lowest of the run, or of "
+        "the one it is known by");
     field("foot_memory", self.foot_memory, Unit{"s"}, Range{0.0, 60.0},
           "where a contact was seen this short a time ago, an edge like the one at its foot is a "
           "contact still; 0: not");
