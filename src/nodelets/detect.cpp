@@ -63,6 +63,7 @@ class Detect : public StageNodelet {
     parameters_ = changed;
     if (same_detector) return;
     detector_ = makeDetector(changed);
+    memory_.clear();
     refined_odometry_->setParameters(changed);
     source_->setParameters(changed.camera);
   }
