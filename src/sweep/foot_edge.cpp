@@ -87,6 +87,7 @@ BeamChoice FootEdge::find(const ComparedFrame& frame, const KnownFoot& known, in
   if (bend < -1e-3F && most >= before && most >= after)
     foot.candidate += 0.5F * (before - after) / bend;
   foot.score = static_cast<float>(parameters_.foot_score) * known.score;
+  foot.by_edge = true;
   foot.top = first_row + best - known.support;
   return foot;
 }

@@ -7,6 +7,7 @@ namespace ipm_mapping::sweep {
 namespace {
 
 constexpr std::size_t most_known = 2048;
+constexpr double same_place = 5.0;  // candidates
 
 }  // namespace
 
@@ -36,9 +37,15 @@ void RememberedFoot::assign(const SE2& T_foot_floor) {
     const Eigen::Vector2d p = T_foot_floor * known.p_floor;
     const double beam = wrapAngle(std::atan2(p.y(), p.x()) - first_azimuth_) / azimuth_step_;
     if (beam > -0.5 && beam < last + 0.5)
-      newest_[static_cast<std::size_t>(std::lround(std::clamp(beam, 0.0, last)))] = {p.norm(),
-                                                                                     known.foot};
+      newest_[static_cast<std::size_t>(std::lround(std::clamp(beam, 0.0, last)))] = {
+          p.norm(), known.sure, known.foot};
   }
+}
+
+bool RememberedFoot::knownAt(int beam, const BeamChoice& choice) const {
+  const Place& place = newest_[static_cast<std::size_t>(beam)];
+  return place.distance > 0.0 &&
+         std::abs(edge_.candidateOf(height_ / place.distance) - choice.candidate) < same_place;
 }
 
 void RememberedFoot::remember(const ComparedFrame& frame, const SE2& T_floor_foot, double stamp,
@@ -54,6 +61,7 @@ void RememberedFoot::remember(const ComparedFrame& frame, const SE2& T_floor_foo
     const int support = static_cast<int>(frame.sweep.sweepRow(choice.candidate)) - choice.top;
     known_.push_back({T_floor_foot * Eigen::Vector2d(d * std::cos(azimuth), d * std::sin(azimuth)),
                       stamp,
+                      !choice.by_edge || knownAt(b, choice),
                       {contrast, choice.score, support}});
   }
 }
@@ -66,7 +74,7 @@ void RememberedFoot::complete(const ComparedFrame& frame, const SE2& T_floor_foo
   remember(frame, T_floor_foot, stamp, choices);
   for (std::size_t beam = 0; beam < choices.size(); ++beam) {
     const Place& place = newest_[beam];
-    if (choices[beam].any() || place.distance <= 0.0) continue;
+    if (choices[beam].any() || !place.sure) continue;
     choices[beam] = edge_.find(frame, place.foot, static_cast<int>(beam),
                                edge_.candidateOf(height_ / place.distance));
   }

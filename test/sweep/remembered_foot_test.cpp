@@ -16,8 +16,9 @@ class Remembered : public PlainWall {
     choices.assign(static_cast<std::size_t>(sweep.beams()), BeamChoice{});
   }
   void configure() { remembered.configure(sweep, grid.height, FreeFloorParameters{}, parameters); }
-  /// The wall, 1.2 m away, seen by its own texture. Its picture is that of a wall at 1.2 m.
-  void see(double stamp) {
+  /// The wall, 1.2 m away, seen by its own texture, or guessed by its edge. Its picture is that of
+  /// a wall at 1.2 m.
+  void see(double stamp, bool by_edge = false) {
     clear();
     const Image<std::int16_t> later = grey;
     for (int line = 0; line < grid.lines; ++line)
@@ -30,6 +31,7 @@ class Remembered : public PlainWall {
       BeamChoice& choice = choices[static_cast<std::size_t>(beam)];
       choice.candidate = static_cast<float>(candidateAt((wall + way) / std::cos(azimuth(beam))));
       choice.score = 30.0F;
+      choice.by_edge = by_edge;
       choice.top = static_cast<int>(sweep.sweepRow(choice.candidate)) - 12;
     }
     complete({0.0, 0.0, 0.0}, stamp);
@@ -79,6 +81,14 @@ TEST_F(Remembered, ItIsForgottenAfterAWhileAndAFindDoesNotRenewIt) {
   see(10.0);
   EXPECT_GT(look(11.5), 0);
   EXPECT_EQ(look(12.5), 0);
+}
+
+TEST_F(Remembered, AGuessHasToBeMadeTwice) {
+  configure();
+  see(10.0, true);
+  EXPECT_EQ(look(10.1), 0);
+  see(10.2, true);
+  EXPECT_GT(look(10.3), 0);
 }
 
 TEST_F(Remembered, AResetForgetsEverything) {

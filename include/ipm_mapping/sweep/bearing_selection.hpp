@@ -14,6 +14,8 @@ struct BeamChoice {
   float score = 0.0F;       ///< the beam's own
   float curvature = 0.0F;   ///< of the score at its maximum, per candidate^2, <= 0
   int top = 0;              ///< sweep row where the support ends
+  bool by_edge =
+      false;  ///< a known foot, found again by its edge (FootEdge): no parallax of its own
   [[nodiscard]] bool any() const { return candidate >= 0.0F; }
 };
 

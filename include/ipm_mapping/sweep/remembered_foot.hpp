@@ -12,7 +12,8 @@ namespace ipm_mapping::sweep {
 /// not show it: it has come to the side of the view, or its texture is seen too obliquely. Contacts
 /// of the last `foot_memory` seconds are carried along by the floor's motion; a beam without a
 /// contact gets one where FootEdge finds the remembered foot's edge near its place. Only contacts
-/// that a frame found by itself are remembered: what was found by memory does not feed it.
+/// that a frame found by itself are remembered: what was found by memory does not feed it. What
+/// StraightFoot found has to be found there twice: one guess does not carry another.
 class RememberedFoot {
  public:
   void configure(const VerticalSweep& sweep, double height, const FreeFloorParameters& free_floor,
@@ -28,15 +29,18 @@ class RememberedFoot {
   struct Known {
     Eigen::Vector2d p_floor;
     double stamp = 0.0;
+    bool sure = false;  ///< seen by parallax, or by its edge more than once
     KnownFoot foot;
   };
   /// Where one beam may see a known foot.
   struct Place {
     double distance = 0.0;  ///< metres from the camera's foot; 0: nothing known
+    bool sure = false;
     KnownFoot foot;
   };
   void forget(double stamp);
   void assign(const SE2& T_foot_floor);
+  [[nodiscard]] bool knownAt(int beam, const BeamChoice& choice) const;
   void remember(const ComparedFrame& frame, const SE2& T_floor_foot, double stamp,
                 const std::vector<BeamChoice>& choices);
 
