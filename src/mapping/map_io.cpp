@@ -17,6 +17,8 @@ namespace {
 constexpr char occupied_pixel = 0;
 constexpr char free_pixel = static_cast<char>(254);
 constexpr char unknown_pixel = static_cast<char>(205);
+// Of the picture that is named while STEM.pgm changes. No map of another name has such a picture.
+constexpr const char* staged_suffix = ".new";
 constexpr const char* thresholds = "occupied_thresh: 0.65\nfree_thresh: 0.196\n";
 
 char pixelOf(std::int8_t occupancy) {
@@ -175,13 +177,42 @@ std::optional<std::string> inFile(const std::string& path, Step&& step) {
   }
 }
 
+std::string fileName(const std::string& path) {
+  return std::filesystem::path(path).filename().string();
+}
+
+/// Whether a map_server YAML can be read and its picture is `picture`, in the same folder.
+bool namesPicture(const std::string& yaml_path, const std::string& picture) {
+  std::string text;
+  if (readFile(yaml_path, text)) return false;
+  try {
+    return describe(text).image == fileName(picture);
+  } catch (const std::exception&) {
+    return false;
+  }
+}
+
 }  // namespace
 
 std::optional<std::string> saveMap(const TrinaryMap& map, const std::string& stem) {
   if (map.width <= 0 || map.height <= 0) return stem + ".pgm: the map has no cells yet";
-  const std::string image = std::filesystem::path(stem).filename().string() + ".pgm";
-  if (auto error = writeFileAtomically(stem + ".pgm", pgmOf(map))) return error;
-  return writeFileAtomically(stem + ".yaml", yamlOf(map, image));
+  const std::string pgm = pgmOf(map);
+  const std::string picture = stem + ".pgm", yaml = stem + ".yaml";
+  const std::string staged = picture + staged_suffix;
+  std::error_code ignored;
+  // Killed between the two renames, a new picture would stand at the old origin. So the YAML names
+  // a picture beside STEM.pgm while that one changes; it does already if the last save was killed.
+  if (!namesPicture(yaml, staged)) {
+    if (auto error = writeFileAtomically(staged, pgm)) return error;
+    if (auto error = writeFileAtomically(yaml, yamlOf(map, fileName(staged)))) {
+      std::filesystem::remove(staged, ignored);
+      return error;
+    }
+  }
+  if (auto error = writeFileAtomically(picture, pgm)) return error;
+  if (auto error = writeFileAtomically(yaml, yamlOf(map, fileName(picture)))) return error;
+  std::filesystem::remove(staged, ignored);
+  return std::nullopt;
 }
 
 std::optional<std::string> loadMap(const std::string& yaml_path, TrinaryMap& map) {

@@ -8,7 +8,10 @@ import subprocess
 import unittest
 
 import dynamic_reconfigure.client
+import numpy
+import PIL.Image
 import rospy
+import yaml
 from diagnostic_msgs.msg import DiagnosticArray
 from ipm_mapping.msg import ObstacleArray
 from ipm_mapping.srv import SaveMap
@@ -24,6 +27,24 @@ def wait_for(done, seconds=30.0):
     return False
 
 
+def read_map(path):
+    """A saved map as the map server would publish it."""
+    with open(path, encoding='ascii') as file:
+        described = yaml.safe_load(file)
+    picture = numpy.asarray(PIL.Image.open(os.path.join(os.path.dirname(path), described['image'])))
+    grid = OccupancyGrid()
+    grid.info.height, grid.info.width = picture.shape
+    grid.info.origin.position.x, grid.info.origin.position.y = described['origin'][:2]
+    grid.data = numpy.select([picture == 0, picture == 254], [100, 0], -1)[::-1].ravel().tolist()
+    return grid
+
+
+def same_map(a, b):
+    places = [(m.info.width, round(m.info.origin.position.x, 6), round(m.info.origin.position.y, 6))
+              for m in (a, b)]
+    return places[0] == places[1] and list(a.data) == list(b.data)
+
+
 class Operation(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -35,7 +56,7 @@ class Operation(unittest.TestCase):
             for side in cls.obstacles]
         cls.subscribers += [
             rospy.Subscriber('/%s/map' % side, OccupancyGrid, cls.keep_map, side)
-            for side in ('left', 'right', 'restarted')]
+            for side in ('left', 'right', 'restarted', 'reloaded')]
         cls.diagnostics = rospy.Subscriber('/diagnostics', DiagnosticArray, cls.keep_status)
         assert wait_for(lambda: all(s.get_num_connections() > 0 for s in cls.subscribers[:4]))
         assert wait_for(lambda: len(cls.said) >= 5)
@@ -96,13 +117,51 @@ class Operation(unittest.TestCase):
         self.assertTrue(wait_for(
             lambda: os.path.exists(os.path.join(self.directory, 'autosave.yaml'))))
 
+    def start_mapper(self, name, *arguments):
+        return subprocess.Popen(
+            ['rosrun', 'nodelet', 'nodelet', 'standalone', 'ipm_mapping/Mapper', '__name:=' + name,
+             'map:=/%s/map' % name, 'obstacles:=/%s/obstacles' % name, *arguments])
+
+    def test_a_killed_mapper_finds_again_what_it_had_saved_by_itself(self):
+        maps = []
+        listener = rospy.Subscriber('/killed/map', OccupancyGrid, maps.append)
+        feeder = rospy.Publisher('/killed/obstacles', ObstacleArray, queue_size=100)
+        answers = self.obstacles['left']
+        saved = os.path.join(self.directory, 'killed.yaml')
+
+        def feed(begin, end):
+            for answer in answers[begin:end]:
+                feeder.publish(answer)
+                self.assertTrue(
+                    wait_for(lambda a=answer: maps and maps[-1].header.stamp == a.header.stamp))
+
+        process = self.start_mapper(
+            'killed', '_directory:=' + self.directory, '_autosave_name:=killed',
+            '_autosave_period:=0.3', '_publish_rate:=0', '_full_map_period:=0')
+        try:
+            self.assertTrue(wait_for(lambda: feeder.get_num_connections() > 0
+                                     and listener.get_num_connections() > 0))
+            feed(0, 4)
+            self.assertTrue(wait_for(lambda: os.path.exists(saved)))
+            feed(4, 7)
+            certain = len(maps) - 1
+            self.assertTrue(wait_for(lambda: same_map(read_map(saved), maps[certain])))
+            feed(7, len(answers))
+        finally:
+            process.kill()
+            process.wait()
+        reloaded = self.start_mapper('reloaded', '_initial_map:=' + saved)
+        try:
+            self.assertTrue(wait_for(lambda: 'reloaded' in self.maps))
+        finally:
+            reloaded.terminate()
+            reloaded.wait()
+        self.assertTrue(any(same_map(self.maps['reloaded'], each) for each in maps[certain:]))
+
     def test_map_survives_a_restart(self):
         saved = rospy.ServiceProxy('/left/save_map', SaveMap)('kitchen')
         self.assertTrue(saved.success, saved.message)
-        process = subprocess.Popen(
-            ['rosrun', 'nodelet', 'nodelet', 'standalone', 'ipm_mapping/Mapper',
-             '__name:=restarted', '_initial_map:=' + saved.message, 'map:=/restarted/map',
-             'obstacles:=/nothing'])
+        process = self.start_mapper('restarted', '_initial_map:=' + saved.message)
         try:
             self.assertTrue(wait_for(lambda: 'restarted' in self.maps))
             self.assertEqual(self.maps['restarted'].data, self.maps['left'].data)
