@@ -1,5 +1,6 @@
 // Where a frame's pose comes from: the topic or tf, at the image's stamp moved by
-// image_time_offset, however late odometry arrives behind the images.
+// image_time_offset, however late odometry arrives behind the images. The overlay of the last
+// nodelet finds the picture to that stamp.
 
 #include <gtest/gtest.h>
 
@@ -16,6 +17,7 @@ class Sources : public testing::Test {
       : diagnostics_(node_),
         by_topic_(node_, "/by_topic/obstacles"),
         by_tf_(node_, "/by_tf/obstacles"),
+        overlays_(node_, "/by_topic/overlay"),
         tf_(node_.advertise<tf2_msgs::TFMessage>("/tf", 1000)),
         topics_(node_) {}
 
@@ -24,7 +26,7 @@ class Sources : public testing::Test {
     static double shift = 0.0;
     topics_.time_shift = shift += 1000.0;
     topics_.tellTf();
-    ASSERT_TRUE(waitForPublishers(by_topic_, by_tf_));
+    ASSERT_TRUE(waitForPublishers(by_topic_, by_tf_, overlays_));
     ASSERT_TRUE(topics_.waitForListeners());
     ASSERT_TRUE(waitFor([&] { return topics_.listeners() >= 2 && tf_.getNumSubscribers() >= 1; }));
     ASSERT_TRUE(waitFor([&] { return diagnostics_.value("ipm", "input_rate_hz") >= 0.0; }));
@@ -66,6 +68,7 @@ class Sources : public testing::Test {
   ros::NodeHandle node_;
   Diagnostics diagnostics_;
   Collected<ObstacleArray> by_topic_, by_tf_;
+  Collected<sensor_msgs::Image> overlays_;
   ros::Publisher tf_;
   RobotTopics topics_;
 };
@@ -87,6 +90,8 @@ TEST_F(Sources, PosesFromTopicAndTfAreThoseOfTheMovedStamps) {
       << by_topic_.size() << " answers by the topic, " << by_tf_.size() << " by tf";
   expectTruePoses(by_topic_);
   expectTruePoses(by_tf_);
+  EXPECT_TRUE(waitFor([&] { return overlays_.size() > 0; }, 5.0))
+      << "the overlay looks for pictures whose stamps were not moved";
 }
 
 TEST_F(Sources, FramesOutliveOdometryThatArrivesAfterAllOfThem) {

@@ -13,6 +13,8 @@ import sys
 import unittest
 import xml.etree.ElementTree as ElementTree
 
+import yaml
+
 FOLDER = sys.argv.pop(1)
 REQUIRED = {"replay.launch": {"bag"}}
 # Of the arguments that are passed on to chain.launch, those with a default of their own.
@@ -42,6 +44,14 @@ def is_number(text):
     except ValueError:
         return False
     return True
+
+
+def parameters(name, *values):
+    """What a launch file sets, by full name."""
+    text = subprocess.run(
+        ["roslaunch", "--dump-params", os.path.join(FOLDER, name + ".launch"), *values],
+        check=True, timeout=60, stdout=subprocess.PIPE, universal_newlines=True).stdout
+    return yaml.safe_load(text)
 
 
 class LaunchArguments(unittest.TestCase):
@@ -84,6 +94,27 @@ class LaunchArguments(unittest.TestCase):
             self.assertLessEqual(settable, set(own), name)
             other = {each for each in settable if own[each]["default"] != chain[each]["default"]}
             self.assertEqual(other, OWN_DEFAULT[name], name)
+
+    def test_values_arrive_at_every_nodelet_that_uses_them(self):
+        given = {"image_time_offset": -0.25, "autosave_period": 7.5, "clear_on_clock_jump": True}
+        takes_pictures = {"sweep": ["detector"], "chain": ["ipm", "localization"],
+                          "first_architecture": ["ipm", "localization"]}
+        for name, more in (("chain", []), ("move_base", []), ("replay", ["bag:=drive.bag"])):
+            for detector, nodelets in takes_pictures.items():
+                found = parameters(name, "detector:=" + detector, *more,
+                                   *("%s:=%s" % each for each in given.items()))
+                for nodelet in nodelets:
+                    self.assertEqual(found["/camera/%s/camera/image_time_offset" % nodelet],
+                                     given["image_time_offset"], (name, detector, nodelet))
+                for each in ("autosave_period", "clear_on_clock_jump"):
+                    self.assertEqual(found["/camera/mapper/" + each], given[each], (name, each))
+        found = parameters("compare", "image_time_offset:=-0.25")
+        for nodelet in ("ipm", "localization", "fpga_model", "comparator"):
+            self.assertEqual(found["/camera/%s/camera/image_time_offset" % nodelet], -0.25, nodelet)
+
+    def test_what_is_not_given_is_left_to_the_profile(self):
+        for name in ("chain", "compare"):
+            self.assertFalse([each for each in parameters(name) if "image_time_offset" in each])
 
     def test_roslaunch_lists_them_all(self):
         for path in launch_files():
