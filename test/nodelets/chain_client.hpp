@@ -56,7 +56,8 @@ template <class... Messages>
   return waitFor([&] { return (topics.connected() && ...); });
 }
 
-/// Counters of a nodelet as /diagnostics shows them.
+/// Counters of a nodelet as /diagnostics shows them; by its name, or its namespace and name where
+/// there are several ("left/mapper").
 class Diagnostics {
  public:
   explicit Diagnostics(ros::NodeHandle& node) {
@@ -68,6 +69,10 @@ class Diagnostics {
     return found == values_.end() ? -1.0 : found->second;
   }
   [[nodiscard]] int level(const std::string& nodelet) const { return levels_.at(nodelet); }
+  /// The sentence of its last status.
+  [[nodiscard]] const std::string& sentence(const std::string& nodelet) const {
+    return now_.at(nodelet);
+  }
   [[nodiscard]] bool waitFor(const std::string& nodelet, const std::string& key, double expected) {
     return ipm_mapping::waitFor([&] { return value(nodelet, key) == expected; });
   }
@@ -81,15 +86,19 @@ class Diagnostics {
   void onMessage(const diagnostic_msgs::DiagnosticArrayConstPtr& message) {
     for (const auto& status : message->status) {
       const std::string path = status.name.substr(0, status.name.find(':'));
-      const std::string nodelet = path.substr(path.rfind('/') + 1);
-      levels_[nodelet] = status.level;
-      sentences[nodelet][status.message] = status.level;
-      for (const auto& pair : status.values)
-        if (pair.key.rfind("fault_", 0) == 0)
-          addFault(nodelet, pair.value);
-        else
-          values_[nodelet + "/" + pair.key] = std::strtod(pair.value.c_str(), nullptr);
+      take(status, path);
+      if (path.find('/') != std::string::npos) take(status, path.substr(path.rfind('/') + 1));
     }
+  }
+  void take(const diagnostic_msgs::DiagnosticStatus& status, const std::string& nodelet) {
+    levels_[nodelet] = status.level;
+    now_[nodelet] = status.message;
+    sentences[nodelet][status.message] = status.level;
+    for (const auto& pair : status.values)
+      if (pair.key.rfind("fault_", 0) == 0)
+        addFault(nodelet, pair.value);
+      else
+        values_[nodelet + "/" + pair.key] = std::strtod(pair.value.c_str(), nullptr);
   }
   /// "3 times: sentence"
   void addFault(const std::string& nodelet, const std::string& text) {
@@ -101,6 +110,7 @@ class Diagnostics {
   ros::Subscriber subscriber_;
   std::map<std::string, double> values_;
   std::map<std::string, int> levels_;
+  std::map<std::string, std::string> now_;
 };
 
 /// The robot's topics, in the names that the .test files remap the nodelets to.
