@@ -69,9 +69,18 @@ class Diagnostics {
     return found == values_.end() ? -1.0 : found->second;
   }
   [[nodiscard]] int level(const std::string& nodelet) const { return levels_.at(nodelet); }
-  /// The sentence of its last status.
-  [[nodiscard]] const std::string& sentence(const std::string& nodelet) const {
-    return now_.at(nodelet);
+  /// Whether its last status has this level, and these words in its sentence.
+  [[nodiscard]] bool shows(const std::string& nodelet, int level, const std::string& words) const {
+    const auto found = now_.find(nodelet);
+    return found != now_.end() && levels_.at(nodelet) == level &&
+           found->second.find(words) != std::string::npos;
+  }
+  /// That status in words, for failures.
+  [[nodiscard]] std::string status(const std::string& nodelet) const {
+    const auto found = now_.find(nodelet);
+    return found == now_.end()
+               ? nodelet + " never said anything"
+               : nodelet + ": " + std::to_string(levels_.at(nodelet)) + ", " + found->second;
   }
   [[nodiscard]] bool waitFor(const std::string& nodelet, const std::string& key, double expected) {
     return ipm_mapping::waitFor([&] { return value(nodelet, key) == expected; });
