@@ -46,6 +46,7 @@ void SweepDetector::configure(const CameraPose& T_base_camera) {
   noise_.configure(grid_, rows, parameters_.noise);
   lattice_.configure(grid_, rows);
   refinement_.configure(grid_, rows, foot, parameters_.refinement);
+  sway_.configure(grid_, rows);
   specular_.configure(grid_, rows, parameters_.evidence);
   floor_cost_.configure(grid_, rows, parameters_.evidence);
   sweep_.configure(grid_, rows, noise_.sweepRows(), parameters_.grid.max_support,
@@ -63,6 +64,7 @@ void SweepDetector::configure(const CameraPose& T_base_camera) {
   current_odd_.resize(grid_.sweepRows(), grid_.lines);
   weight_.resize(grid_.sweepRows(), grid_.lines);
   for (Planes& planes : planes_) {
+    planes.steady.resize(grid_.rows, grid_.lines);
     planes.even.resize(grid_.sweepRows(), grid_.lines);
     planes.odd.resize(grid_.sweepRows(), grid_.lines);
     planes.floor_cost.resize(grid_.sweepRows(), sweep_.beams());
@@ -187,12 +189,20 @@ void SweepDetector::splitCurrent() {
   lap("noise_model");
 }
 
-void SweepDetector::splitReference(const RectifiedFrame& reference, const Photometric& photometric,
-                                   Planes& planes) {
+/// The reference as the robot would have seen it with the attitude it has now.
+const Image<std::uint8_t>& SweepDetector::steadied(std::size_t reference) {
+  const Image<std::uint8_t>& image = references_[reference]->image;
+  const Sway& sway = motions_[reference].sway;
+  if (sway.size() <= parameters_.refinement.least_sway) return image;
+  sway_.remove(sway, image, planes_[reference].steady);
+  return planes_[reference].steady;
+}
+
+void SweepDetector::splitReference(const Image<std::uint8_t>& reference,
+                                   const Photometric& photometric, Planes& planes) {
   for (int line = 0; line < grid_.lines; ++line)
-    kernels::splitRows(reference.image.row(line), photometric.fixedGain(),
-                       photometric.fixedOffset(), grid_.sweepRows(), planes.even.row(line),
-                       planes.odd.row(line));
+    kernels::splitRows(reference.row(line), photometric.fixedGain(), photometric.fixedOffset(),
+                       grid_.sweepRows(), planes.even.row(line), planes.odd.row(line));
 }
 
 void SweepDetector::compareWithReferences() {
@@ -207,11 +217,12 @@ void SweepDetector::compareWithReferences() {
   lap("motion_refinement");
   for (std::size_t q = 0; q < static_cast<std::size_t>(reference_count_); ++q) {
     Planes& planes = planes_[q];
+    const Image<std::uint8_t>& reference = steadied(q);
     const FootMotion motion(motions_[q].motion, foot);
     floor_cost_.evaluate({current_grey_.view(), weight_.view(), &noise_.sweepRows()},
-                         references_[q]->image.view(), motion, motions_[q].photometric,
+                         reference.view(), motion, motions_[q].photometric,
                          planes.floor_cost.view());
-    splitReference(*references_[q], motions_[q].photometric, planes);
+    splitReference(reference, motions_[q].photometric, planes);
     views_[q] = {planes.even.view(), planes.odd.view(), planes.floor_cost.view(), motion};
     if (parameters_.evidence.specular_prior < 9.0)
       specular_.apply({current_grey_.view(), weight_.view(), &noise_.sweepRows()}, sweep_,

@@ -23,7 +23,7 @@ class Drive {
   FrameStatus at(const SE2& pose) { return at(pose, pose); }
   /// The robot is at a pose, its wheels say another one.
   FrameStatus at(const SE2& pose, const SE2& by_wheels) {
-    const Image<std::uint8_t> picture = scene.render(pose);
+    const Image<std::uint8_t> picture = scene.render(pose, sway);
     Frame frame;
     frame.index = index++;
     frame.stamp = 0.1 * static_cast<double>(frame.index);
@@ -49,6 +49,7 @@ class Drive {
   SweepDetector detector;
   Obstacles obstacles;
   std::uint64_t index = 0;
+  Sway sway;  // of the camera from now on
   SE2 last;
 };
 
@@ -74,6 +75,21 @@ TEST(SweepDetector, FindsItWhileReversing) {
   ASSERT_EQ(drive.along(0.4, 0.0, 5), FrameStatus::Used);
   EXPECT_GE(drive.obstacles.contacts.size(), 4U);
   EXPECT_GE(drive.shareOnOutlines(), 0.95);
+}
+
+/// A robot that nods a third of a degree from frame to frame.
+TEST(SweepDetector, NoddingDoesNotMakeObstaclesOfTheFloor) {
+  Drive drive;
+  drive.scene.boxes = {{1.25, 1.5, -0.2, 0.25, 0.4}};
+  int frames = 0;
+  for (int i = 0; i <= 6; ++i) {
+    drive.sway.pitch = i % 2 == 0 ? 0.003 : -0.003;
+    if (drive.at({0.07 * i, 0.0, 0.0}) != FrameStatus::Used) continue;
+    ++frames;
+    EXPECT_GE(drive.obstacles.contacts.size(), 5U);
+    EXPECT_GE(drive.shareOnOutlines(), 0.95) << i;
+  }
+  EXPECT_GE(frames, 3);
 }
 
 TEST(SweepDetector, AnEmptyFloorIsFreeAndHasNoContacts) {

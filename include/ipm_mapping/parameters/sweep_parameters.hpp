@@ -78,6 +78,8 @@ struct MotionRefinementParameters {
   double sd_forward_floor = 0.001;
   double sd_sideways_floor = 0.0003;
   double sd_turn_floor = 0.0005;
+  double sd_sway = 0.0003;
+  double least_sway = 0.0003;
   double sd_gain = 0.1;
   double sd_offset = 2.0;
   double correlation = 0.1;
@@ -108,6 +110,11 @@ struct MotionRefinementParameters {
           "the same along y");
     field("sd_turn_floor", self.sd_turn_floor, Unit{"rad"}, Range{1e-6, 1.0},
           "the same of the heading");
+    field("sd_sway", self.sd_sway, Unit{"rad"}, Range{1e-6, 0.1},
+          "how much pitch and roll of the robot usually differ between two frames; nods have heavy "
+          "tails");
+    field("least_sway", self.least_sway, Unit{"rad"}, Range{0.0, 0.1},
+          "a smaller sway is left in the images");
     field("sd_gain", self.sd_gain, Unit{""}, Range{1e-4, 10.0}, "expected change of the gain");
     field("sd_offset", self.sd_offset, Unit{"grey levels"}, Range{1e-3, 100.0},
           "expected change of the offset");

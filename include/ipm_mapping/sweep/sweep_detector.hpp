@@ -20,6 +20,7 @@
 #include "ipm_mapping/sweep/self_calibration.hpp"
 #include "ipm_mapping/sweep/specular_cost.hpp"
 #include "ipm_mapping/sweep/straight_foot.hpp"
+#include "ipm_mapping/sweep/sway.hpp"
 #include "ipm_mapping/sweep/vertical_sweep.hpp"
 
 namespace ipm_mapping::sweep {
@@ -54,6 +55,7 @@ class SweepDetector : public Detector {
  private:
   /// One reference of the frame at hand, on the sweep rows.
   struct Planes {
+    Image<std::uint8_t> steady;  ///< the reference without its sway
     Image<std::int16_t> even, odd;
     Image<std::uint16_t> floor_cost;
   };
@@ -67,7 +69,8 @@ class SweepDetector : public Detector {
   void maskFloor();
   void splitCurrent();
   void compareWithReferences();
-  void splitReference(const RectifiedFrame& reference, const Photometric& photometric,
+  [[nodiscard]] const Image<std::uint8_t>& steadied(std::size_t reference);
+  void splitReference(const Image<std::uint8_t>& reference, const Photometric& photometric,
                       Planes& planes);
   void fillView(const Frame& frame, Obstacles& obstacles) const;
   void fillObstacles(const CurrentView& current, Obstacles& obstacles);
@@ -94,6 +97,7 @@ class SweepDetector : public Detector {
   CylindricalRectification rectification_;
   NoiseModel noise_;
   MotionRefinement refinement_;
+  SwayCorrection sway_;
   FloorCost floor_cost_;
   SpecularCost specular_;
   VerticalSweep sweep_;
