@@ -131,6 +131,19 @@ void SweepDetector::fillObstacles(const CurrentView& current, Obstacles& obstacl
     obstacles.bearings.push_back(bearing);
   }
   free_floor_.limit(current_.T_floor_base, obstacles);
+  withdrawDoubtful(obstacles);
+}
+
+/// They have kept the floor beside them from being called free; more they do not say yet.
+void SweepDetector::withdrawDoubtful(Obstacles& obstacles) const {
+  const auto doubtful = [&](const Contact& contact) {
+    const auto beam = static_cast<std::size_t>(contact.bearing);
+    if (!choices_[beam].doubtful) return false;
+    obstacles.bearings[beam].state = BearingState::Unknown;
+    return true;
+  };
+  auto& contacts = obstacles.contacts;
+  contacts.erase(std::remove_if(contacts.begin(), contacts.end(), doubtful), contacts.end());
 }
 
 /// Distance from the camera's foot at which a bearing leaves the circle of max_range around base.

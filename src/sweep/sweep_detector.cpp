@@ -55,8 +55,9 @@ void SweepDetector::configure(const CameraPose& T_base_camera) {
   leaning_.configure(parameters_.selection);
   free_floor_.configure(parameters_.free_floor);
   edge_.configure(parameters_.selection);
-  straight_foot_.configure(sweep_, grid_.height, parameters_.free_floor, parameters_.foot);
-  remembered_foot_.configure(sweep_, grid_.height, parameters_.free_floor, parameters_.foot);
+  straight_foot_.configure(sweep_, parameters_.free_floor, parameters_.foot);
+  remembered_foot_.configure(sweep_, parameters_.free_floor, parameters_.foot);
+  lone_contact_.configure(sweep_, parameters_.selection);
   plain_edge_.configure(sweep_, parameters_.free_floor, parameters_.foot);
   ring_.configure(grid_, parameters_.reference);
   current_.image.resize(grid_.rows, grid_.lines);
@@ -79,6 +80,7 @@ void SweepDetector::reset() {
   calibration_.reset();
   free_floor_.reset();
   remembered_foot_.reset();
+  lone_contact_.reset();
   seen_any_ = false;
 }
 
@@ -114,8 +116,9 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
     straight_foot_.complete(compared, choices_);
     const Eigen::Vector2d foot =
         current_.T_floor_base * Eigen::Vector2d(T_base_camera_.translation().head<2>());
-    remembered_foot_.complete(compared, {foot.x(), foot.y(), current_.T_floor_base.theta},
-                              frame.stamp, choices_);
+    const SE2 T_floor_foot{foot.x(), foot.y(), current_.T_floor_base.theta};
+    lone_contact_.mark(T_floor_foot, choices_);
+    remembered_foot_.complete(compared, T_floor_foot, frame.stamp, choices_);
     lap("known_feet");
     fillObstacles(view, obstacles);
     lap("answer");

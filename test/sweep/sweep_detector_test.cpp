@@ -77,6 +77,25 @@ TEST(SweepDetector, FindsItWhileReversing) {
   EXPECT_GE(drive.shareOnOutlines(), 0.95);
 }
 
+/// A post a beam wide: known from the second look on, and its bearing never free.
+TEST(SweepDetector, AThinPostIsBelievedAtTheSecondLook) {
+  Drive drive;
+  drive.scene.boxes = {{1.25, 1.28, 0.0, 0.025, 0.5}};
+  int looks = 0;
+  std::size_t first = 0, later = 0;
+  for (int i = 0; i <= 6; ++i) {
+    if (drive.at({0.05 * i, 0.0, 0.0}) != FrameStatus::Used) continue;
+    (looks++ == 0 ? first : later) += drive.obstacles.contacts.size();
+    const Eigen::Vector2d foot = drive.last * Eigen::Vector2d(0.05, -0.01);
+    for (const Bearing& b : drive.obstacles.bearings)
+      if (b.state == BearingState::Free &&
+          std::abs(double{b.angle} - std::atan2(0.006 - foot.y(), 1.25 - foot.x())) < 0.005)
+        EXPECT_LT(b.range, 1.3 - foot.x());
+  }
+  EXPECT_EQ(first, 0U);
+  EXPECT_GT(later, 0U);
+}
+
 /// A robot that nods a third of a degree from frame to frame.
 TEST(SweepDetector, NoddingDoesNotMakeObstaclesOfTheFloor) {
   Drive drive;

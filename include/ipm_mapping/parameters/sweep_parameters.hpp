@@ -224,6 +224,8 @@ struct SelectionParameters {
   bool straddle = true;
   double straddle_gap = 0.133;
   double straddle_ratio = 1.5;
+  int lone_frames = 2;
+  int lone_of = 4;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& field) {
@@ -269,6 +271,11 @@ struct SelectionParameters {
           "how much nearer 'clearly nearer' is");
     field("straddle_ratio", self.straddle_ratio, Unit{""}, Range{1.0, 100.0},
           "how much stronger 'clearly stronger' is");
+    field(
+        "lone_frames", self.lone_frames, Unit{"frames"}, Range{1, 16},
+        "a contact that no other one stands beside counts when it was seen in so many of the last "
+        "lone_of used frames, its own included; 1: at once");
+    field("lone_of", self.lone_of, Unit{"frames"}, Range{1, 16}, "how many frames these are");
   }
 };
 

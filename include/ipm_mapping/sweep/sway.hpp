@@ -29,7 +29,7 @@ class SwayCorrection {
 
  private:
   PolarGrid grid_;
-  std::vector<RowRange> rows_;  // that a line shares with those beside it
+  std::vector<RowRange> rows_;      // that a line shares with those beside it
   std::vector<float> cos_, sin_;    // of the azimuths
   std::vector<float> r_, stretch_;  // of the rows: r and (1 + r^2) / r
 };

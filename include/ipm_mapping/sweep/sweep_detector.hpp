@@ -12,6 +12,7 @@
 #include "ipm_mapping/sweep/floor_cost.hpp"
 #include "ipm_mapping/sweep/free_floor.hpp"
 #include "ipm_mapping/sweep/leaning_surface.hpp"
+#include "ipm_mapping/sweep/lone_contact.hpp"
 #include "ipm_mapping/sweep/motion_refinement.hpp"
 #include "ipm_mapping/sweep/noise_model.hpp"
 #include "ipm_mapping/sweep/plain_edge.hpp"
@@ -74,6 +75,7 @@ class SweepDetector : public Detector {
                       Planes& planes);
   void fillView(const Frame& frame, Obstacles& obstacles) const;
   void fillObstacles(const CurrentView& current, Obstacles& obstacles);
+  void withdrawDoubtful(Obstacles& obstacles) const;
   void fillCandidates(Obstacles& obstacles) const;
   Contact contactOf(int beam, const BeamChoice& choice) const;
   /// How far the floor of a beam reaches for one reference, and what its near end costs.
@@ -106,6 +108,7 @@ class SweepDetector : public Detector {
   ContactEdge edge_;
   StraightFoot straight_foot_;
   RememberedFoot remembered_foot_;
+  LoneContact lone_contact_;
   PlainEdge plain_edge_;
   FreeFloor free_floor_;
   ReferenceRing ring_;
