@@ -65,11 +65,11 @@ void SweepDetector::configure(const CameraPose& T_base_camera) {
   current_odd_.resize(grid_.sweepRows(), grid_.lines);
   weight_.resize(grid_.sweepRows(), grid_.lines);
   for (Planes& planes : planes_) {
-    planes.steady.resize(grid_.rows, grid_.lines);
     planes.even.resize(grid_.sweepRows(), grid_.lines);
     planes.odd.resize(grid_.sweepRows(), grid_.lines);
     planes.floor_cost.resize(grid_.sweepRows(), sweep_.beams());
   }
+  for (auto& image : steady_) image.resize(grid_.rows, grid_.lines);
   choices_.reserve(static_cast<std::size_t>(sweep_.beams()));
 }
 
@@ -197,8 +197,8 @@ const Image<std::uint8_t>& SweepDetector::steadied(std::size_t reference) {
   const Image<std::uint8_t>& image = references_[reference]->image;
   const Sway& sway = motions_[reference].sway;
   if (sway.size() <= parameters_.refinement.least_sway) return image;
-  sway_.remove(sway, image, planes_[reference].steady);
-  return planes_[reference].steady;
+  sway_.remove(sway, image, steady_[reference]);
+  return steady_[reference];
 }
 
 void SweepDetector::splitReference(const Image<std::uint8_t>& reference,

@@ -67,7 +67,7 @@ struct MotionRefinementParameters {
   bool refine = true;
   double farthest = 5.5;
   int row_step = 6;
-  int line_step = 8;
+  int line_step = 16;
   int iterations = 20;
   double first_spread = 16.0;
   double sd_forward = 0.04;

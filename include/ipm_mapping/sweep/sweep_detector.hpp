@@ -56,7 +56,6 @@ class SweepDetector : public Detector {
  private:
   /// One reference of the frame at hand, on the sweep rows.
   struct Planes {
-    Image<std::uint8_t> steady;  ///< the reference without its sway
     Image<std::int16_t> even, odd;
     Image<std::uint16_t> floor_cost;
   };
@@ -118,6 +117,7 @@ class SweepDetector : public Detector {
   Image<std::int16_t> current_grey_, current_odd_;
   Image<std::uint16_t> weight_;
   std::array<Planes, VerticalSweep::max_references> planes_;
+  std::array<Image<std::uint8_t>, VerticalSweep::max_references> steady_;  ///< without their sway
   std::array<const RectifiedFrame*, VerticalSweep::max_references> references_{};
   std::array<SweepReference, VerticalSweep::max_references> views_;
   std::array<RefinedMotion, VerticalSweep::max_references> motions_;
