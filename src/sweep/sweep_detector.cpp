@@ -118,6 +118,7 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
         current_.T_floor_base * Eigen::Vector2d(T_base_camera_.translation().head<2>());
     const SE2 T_floor_foot{foot.x(), foot.y(), current_.T_floor_base.theta};
     lone_contact_.mark(T_floor_foot, choices_);
+    doubtLowContacts();
     remembered_foot_.complete(compared, T_floor_foot, frame.stamp, choices_);
     lap("known_feet");
     fillObstacles(view, obstacles);

@@ -96,6 +96,30 @@ TEST(SweepDetector, AThinPostIsBelievedAtTheSecondLook) {
   EXPECT_GT(later, 0U);
 }
 
+/// A robot drives over a mat or a cable, not over a plank.
+TEST(SweepDetector, WhatIsTooLowIsNoObstacleAndNoFreeFloorEither) {
+  for (const double height : {0.012, 0.05}) {
+    SweepParameters parameters = test::smallParameters();
+    parameters.selection.least_height = 0.03;
+    Drive drive(parameters);
+    drive.scene.boxes = {{0.95, 1.15, -0.2, 0.25, height}};
+    ASSERT_EQ(drive.along(0.0, 0.3, 5), FrameStatus::Used);
+    if (height > 0.03) {
+      EXPECT_GE(drive.obstacles.contacts.size(), 5U);
+    } else {
+      EXPECT_TRUE(drive.obstacles.contacts.empty());
+      parameters.selection.least_height = 0.0;
+      Drive all(parameters);
+      all.scene.boxes = drive.scene.boxes;
+      ASSERT_EQ(all.along(0.0, 0.3, 5), FrameStatus::Used);
+      EXPECT_GE(all.obstacles.contacts.size(), 2U);
+      for (const Contact& c : all.obstacles.contacts)
+        EXPECT_NE(drive.obstacles.bearings[static_cast<std::size_t>(c.bearing)].state,
+                  BearingState::Free);
+    }
+  }
+}
+
 /// A robot that nods a third of a degree from frame to frame.
 TEST(SweepDetector, NoddingDoesNotMakeObstaclesOfTheFloor) {
   Drive drive;

@@ -226,6 +226,7 @@ struct SelectionParameters {
   double straddle_ratio = 1.5;
   int lone_frames = 2;
   int lone_of = 4;
+  double least_height = 0.0225;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& field) {
@@ -276,6 +277,9 @@ struct SelectionParameters {
         "a contact that no other one stands beside counts when it was seen in so many of the last "
         "lone_of used frames, its own included; 1: at once");
     field("lone_of", self.lone_of, Unit{"frames"}, Range{1, 16}, "how many frames these are");
+    field("least_height", self.least_height, Unit{"m"}, Range{0.0, 1.0},
+          "what is seen to be lower is no obstacle: a cable, the edge of a rug; it looks half a "
+          "centimetre to a centimetre higher than it is");
   }
 };
 

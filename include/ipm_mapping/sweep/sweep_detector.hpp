@@ -76,6 +76,8 @@ class SweepDetector : public Detector {
   void fillObstacles(const CurrentView& current, Obstacles& obstacles);
   void withdrawDoubtful(Obstacles& obstacles) const;
   void fillCandidates(Obstacles& obstacles) const;
+  [[nodiscard]] double heightOf(const BeamChoice& choice) const;
+  void doubtLowContacts();
   Contact contactOf(int beam, const BeamChoice& choice) const;
   /// How far the floor of a beam reaches for one reference, and what its near end costs.
   struct FloorReach {
