@@ -6,8 +6,10 @@
 namespace ipm_mapping::sweep {
 namespace {
 
-constexpr int beside = 2;              // beams
-constexpr double same_distance = 5.0;  // candidates
+constexpr int beside = 2;                // beams to either side
+constexpr double same_thing = 5.0;       // candidates between neighbours
+constexpr double same_beams = 1.0;       // between two sights of one place
+constexpr double same_candidates = 2.0;  // two per cent of its distance
 
 }  // namespace
 
@@ -26,7 +28,7 @@ bool LoneContact::alone(const std::vector<BeamChoice>& choices, int beam) const 
   for (int other = std::max(0, beam - beside); other <= std::min(last, beam + beside); ++other) {
     const BeamChoice& choice = choices[static_cast<std::size_t>(other)];
     if (other != beam && choice.any() &&
-        std::abs(double{choice.candidate} - double{own.candidate}) <= same_distance)
+        std::abs(double{choice.candidate} - double{own.candidate}) <= same_thing)
       return false;
   }
   return true;
@@ -36,8 +38,8 @@ bool LoneContact::saw(const Points& frame, const SE2& T_foot_floor, int beam,
                       const BeamChoice& choice) const {
   return std::any_of(frame.begin(), frame.end(), [&](const Eigen::Vector2d& p_floor) {
     const Eigen::Vector2d p = T_foot_floor * p_floor;
-    return std::abs(grid_.beam(p) - beam) <= beside &&
-           std::abs(grid_.candidate(p.norm()) - double{choice.candidate}) <= same_distance;
+    return std::abs(grid_.beam(p) - beam) <= same_beams &&
+           std::abs(grid_.candidate(p.norm()) - double{choice.candidate}) <= same_candidates;
   });
 }
 

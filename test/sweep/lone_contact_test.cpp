@@ -74,6 +74,14 @@ TEST_F(Lone, WhatStaysOnItsBeamWhileTheRobotDrivesIsNotTheSame) {
   EXPECT_EQ(doubtful({{12, 60.0F}}, {0.15, 0.0, 0.0}), Beams{12});
 }
 
+/// What is seen where another thing's outline ends moves with the view.
+TEST_F(Lone, ThreePerCentFartherIsAnotherPlace) {
+  configure();
+  EXPECT_EQ(doubtful({{12, 60.0F}}), Beams{12});
+  EXPECT_EQ(doubtful({{12, 63.0F}}), Beams{12});
+  EXPECT_EQ(doubtful({{12, 61.5F}}), Beams{});
+}
+
 TEST_F(Lone, SightsCountForTheLastFramesOnly) {
   configure();
   EXPECT_EQ(doubtful({{12, 60.0F}}), Beams{12});
