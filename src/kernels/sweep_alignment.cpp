@@ -43,6 +43,15 @@ void project(const float* HWY_RESTRICT x, const float* HWY_RESTRICT y, int count
     hn::StoreU(hn::Mul(by_line, px), d, out.d_line[1] + i);
     hn::StoreU(hn::Mul(by_line, sumOfProducts(px, turned_y, hn::Neg(py), turned_x)), d,
                out.d_line[2] + i);
+    // With r = height / |p|: a pitch turns r by (1 + r^2) cos(azimuth) and the azimuth by
+    // r sin(azimuth), a roll the same a right angle on.
+    const Vf height = hn::Set(d, f.height);
+    const Vf by_tilt = hn::Mul(by_row, hn::Add(hn::Div(d2, height), height));
+    const Vf by_twist = hn::Neg(hn::Mul(by_line, height));
+    hn::StoreU(hn::Mul(by_tilt, px), d, out.d_row[3] + i);
+    hn::StoreU(hn::Neg(hn::Mul(by_tilt, py)), d, out.d_row[4] + i);
+    hn::StoreU(hn::Mul(by_twist, py), d, out.d_line[3] + i);
+    hn::StoreU(hn::Mul(by_twist, px), d, out.d_line[4] + i);
   }
 }
 
@@ -50,7 +59,7 @@ void project(const float* HWY_RESTRICT x, const float* HWY_RESTRICT y, int count
 HWY_INLINE Vf moved(Floats d, const float* position, const float* const* by,
                     const float* correction, int i, float last) {
   Vf at = hn::LoadU(d, position + i);
-  for (int k = 0; k < 3; ++k)
+  for (int k = 0; k < alignment_moves; ++k)
     at = hn::Add(at, hn::Mul(hn::LoadU(d, by[k] + i), hn::Set(d, correction[k])));
   return hn::Min(hn::Max(at, hn::Zero(d)), hn::Set(d, last));
 }
@@ -83,7 +92,7 @@ void warp(ImageView<const std::uint8_t> reference, const SamplePositions& at,
     const Vf grey = hn::Add(here, hn::Mul(b, by_line));
     hn::StoreU(grey, d, out.grey + i);
     hn::StoreU(hn::Sub(grey, hn::LoadU(d, mean + i)), d, out.high + i);
-    for (int k = 0; k < 3; ++k)
+    for (int k = 0; k < alignment_moves; ++k)
       hn::StoreU(sumOfProducts(by_row, hn::LoadU(d, at.d_row[k] + i), by_line,
                                hn::LoadU(d, at.d_line[k] + i)),
                  d, out.gradient[k] + i);
@@ -95,8 +104,8 @@ using Strands = hn::CappedTag<float, alignment_lanes>;
 /// Element k of a row of J.
 HWY_INLINE hn::Vec<Strands> regressor(Strands d, const AlignmentResidual& r,
                                       const float* const* gradient, int k, int i) {
-  if (k == 4) return hn::Set(d, 1.0F);
-  return hn::LoadU(d, (k == 3 ? r.warped : gradient[k]) + i);
+  if (k == alignment_moves + 1) return hn::Set(d, 1.0F);
+  return hn::LoadU(d, (k == alignment_moves ? r.warped : gradient[k]) + i);
 }
 
 HWY_INLINE void add(Strands d, hn::Vec<Strands> term, float* HWY_RESTRICT strands) {
@@ -116,11 +125,11 @@ HWY_INLINE void addSamples(const AlignmentResidual& r, const float* const* gradi
   const V rest = hn::Max(hn::Sub(hn::Set(d, 1.0F), hn::Mul(share, share)), hn::Zero(d));
   const auto there = hn::FirstN(d, static_cast<std::size_t>(std::max(r.count - i, 0)));
   const V w = hn::IfThenElseZero(there, hn::Mul(rest, rest));
-  float* sum = strands + 5 * alignment_lanes;
-  for (int row = 0; row < 5; ++row) {
+  float* sum = strands + alignment_unknowns * alignment_lanes;
+  for (int row = 0; row < alignment_unknowns; ++row) {
     const V weighted = hn::Mul(w, regressor(d, r, gradient, row, i));
     add(d, hn::Mul(weighted, e), strands + row * alignment_lanes);
-    for (int column = row; column < 5; ++column, sum += alignment_lanes)
+    for (int column = row; column < alignment_unknowns; ++column, sum += alignment_lanes)
       add(d, hn::Mul(weighted, regressor(d, r, gradient, column, i)), sum);
   }
 }

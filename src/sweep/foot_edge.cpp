@@ -11,13 +11,7 @@ void FootEdge::configure(const VerticalSweep& sweep, const FreeFloorParameters& 
                          const FootParameters& parameters) {
   free_floor_ = free_floor;
   parameters_ = parameters;
-  first_r_ = sweep.r(0.0);
-  candidates_per_log_ = 1.0 / std::log(sweep.r(1.0) / first_r_);
   plain_edge_.configure(sweep, free_floor, parameters);
-}
-
-double FootEdge::candidateOf(double r) const {
-  return candidates_per_log_ * std::log(r / first_r_);
 }
 
 float FootEdge::contrastAt(const ComparedFrame& frame, int beam, const BeamChoice& choice) {

@@ -19,28 +19,38 @@ constexpr double converged = 5e-5;      // metres and radians
 constexpr double linear_within = 0.03;  // camera heights, radians: beyond it positions are redone
 constexpr int margin = 3;               // rows that a sample keeps from the edge of the view
 
+// Places of the unknowns.
+constexpr int x_at = 0, y_at = 1, theta_at = 2, pitch_at = 3, roll_at = 4, gain_at = 5,
+              offset_at = 6;
+static_assert(gain_at == kernels::alignment_moves && offset_at + 1 == kernels::alignment_unknowns);
+
 /// Normal equations of the kernels in the units of the solution: gains in 1 / gain_scale.
-void unpack(const double* sums, double gain, Eigen::Matrix<double, 5, 5>& A,
-            Eigen::Matrix<double, 5, 1>& b) {
-  const double* upper = sums + 5;
-  const Eigen::Matrix<double, 5, 1> unit(
-      (Eigen::Matrix<double, 5, 1>() << gain, gain, gain, 1.0 / gain_scale, 1.0).finished());
-  for (int row = 0; row < 5; ++row) {
+template <class Normal, class Unknowns>
+void unpack(const double* sums, double gain, Normal& A, Unknowns& b) {
+  const double* upper = sums + kernels::alignment_unknowns;
+  Unknowns unit = Unknowns::Constant(gain);
+  unit[gain_at] = 1.0 / gain_scale;
+  unit[offset_at] = 1.0;
+  for (int row = 0; row < unit.size(); ++row) {
     b[row] = unit[row] * sums[row];
-    for (int column = row; column < 5; ++column, ++upper)
+    for (int column = row; column < unit.size(); ++column, ++upper)
       A(row, column) = A(column, row) = unit[row] * unit[column] * *upper;
   }
 }
 
+SE2 moved(const SE2& base, double x, double y, double theta) {
+  return {base.x + x, base.y + y, base.theta + theta};
+}
+
 }  // namespace
 
-/// Odometry and unchanged brightness as a prior. A heading that is wrong by e since the reference
-/// has also carried the robot x e / 2 sideways; what is left is independent. Wheels slip: distance
-/// and heading have the heavy tails of a Cauchy distribution, so that odometry which contradicts
-/// the floor by far loses its say.
+/// Odometry, small sway and unchanged brightness as a prior. A heading that is wrong by e since the
+/// reference has also carried the robot x e / 2 sideways; what is left is independent. Wheels slip:
+/// distance and heading have the heavy tails of a Cauchy distribution, so that odometry which
+/// contradicts the floor by far loses its say.
 struct MotionRefinement::Prior {
   SE2 odometry;
-  double sd_forward, sd_sideways, sd_turn, sd_gain, sd_offset;
+  double sd_forward, sd_sideways, sd_turn, sd_sway, sd_gain, sd_offset;
 
   Prior(const MotionRefinementParameters& p, const SE2& motion, double seconds)
       : odometry(motion),
@@ -48,23 +58,25 @@ struct MotionRefinement::Prior {
         sd_sideways(p.sd_sideways * motion.distance() + p.sd_sideways_floor),
         sd_turn(p.sd_turn * motion.distance() + p.sd_turn_share * std::abs(motion.theta) +
                 p.sd_turn_rate * seconds + p.sd_turn_floor),
+        sd_sway(p.sd_sway),
         sd_gain(p.sd_gain),
         sd_offset(p.sd_offset) {}
 
   /// Adds the prior's normal equations at a state.
-  void add(const SE2& motion, const Photometric& photometric, Matrix5& A, Vector5& b) const {
-    Vector5 row = Vector5::Zero();
-    row[0] = 1.0;
+  void add(const RefinedMotion& state, Normal& A, Unknowns& b) const {
+    const SE2& motion = state.motion;
+    Unknowns row = Unknowns::Unit(x_at);
     addRow(row, odometry.x - motion.x, sd_forward, true, A, b);
-    row[0] = 0.0;
-    row[2] = 1.0;
+    row = Unknowns::Unit(theta_at);
     const double turned = odometry.theta - motion.theta;
     addRow(row, turned, sd_turn, true, A, b);
     const double lever = 0.5 * odometry.x;
-    row[1] = 1.0;
-    row[2] = -lever;
+    row = Unknowns::Unit(y_at) - lever * Unknowns::Unit(theta_at);
     addRow(row, odometry.y - motion.y - lever * turned, sd_sideways, false, A, b);
-    addBrightness(photometric, A(3, 3), A(4, 4), b[3], b[4]);
+    addRow(Unknowns::Unit(pitch_at), -state.sway.pitch, sd_sway, true, A, b);
+    addRow(Unknowns::Unit(roll_at), -state.sway.roll, sd_sway, true, A, b);
+    addBrightness(state.photometric, A(gain_at, gain_at), A(offset_at, offset_at), b[gain_at],
+                  b[offset_at]);
   }
   void addBrightness(const Photometric& photometric, double& A_gain, double& A_offset,
                      double& b_gain, double& b_offset) const {
@@ -77,8 +89,8 @@ struct MotionRefinement::Prior {
   }
 
  private:
-  static void addRow(const Vector5& row, double e, double sd, bool heavy_tails, Matrix5& A,
-                     Vector5& b) {
+  static void addRow(const Unknowns& row, double e, double sd, bool heavy_tails, Normal& A,
+                     Unknowns& b) {
     const double share = e / (heavy_tails ? cauchy * sd : sd);
     const double information = 1.0 / (sd * sd * (heavy_tails ? 1.0 + share * share : 1.0));
     A.noalias() += (information * row) * row.transpose();
@@ -123,17 +135,21 @@ void MotionRefinement::Samples::resize(std::size_t n) {
 void MotionRefinement::Samples::move(std::size_t from, std::size_t to) {
   row[to] = row[from];
   line[to] = line[from];
-  for (std::size_t k = 0; k < 3; ++k) {
+  for (std::size_t k = 0; k < d_row.size(); ++k) {
     d_row[k][to] = d_row[k][from];
     d_line[k][to] = d_line[k][from];
   }
 }
 
 kernels::SamplePositions MotionRefinement::Samples::positions() {
-  return {row.data(),
-          line.data(),
-          {d_row[0].data(), d_row[1].data(), d_row[2].data()},
-          {d_line[0].data(), d_line[1].data(), d_line[2].data()}};
+  kernels::SamplePositions all;
+  all.row = row.data();
+  all.line = line.data();
+  for (std::size_t k = 0; k < d_row.size(); ++k) {
+    all.d_row[k] = d_row[k].data();
+    all.d_line[k] = d_line[k].data();
+  }
+  return all;
 }
 
 /// Is what is seen around a position of the reference well inside its view?
@@ -176,6 +192,7 @@ kernels::FloorProjection MotionRefinement::projection(const SE2& motion) const {
   p.ty = static_cast<float>(foot.ty);
   p.foot_x = static_cast<float>(foot_.x());
   p.foot_y = static_cast<float>(foot_.y());
+  p.height = static_cast<float>(grid_.height);
   p.rows_per_log = static_cast<float>(grid_.rows_per_log);
   p.row_at_one = static_cast<float>(grid_.row(1.0));
   p.lines_per_radian = static_cast<float>(grid_.lines_per_radian);
@@ -183,14 +200,15 @@ kernels::FloorProjection MotionRefinement::projection(const SE2& motion) const {
   return p;
 }
 
-void MotionRefinement::warp(const RectifiedFrame& reference, const Eigen::Vector3d& correction) {
-  const Eigen::Vector3f c = correction.cast<float>();
-  kernels::warpSamples(
-      reference.image.view(), samples_.positions(), samples_.reference_mean.data(), c.data(),
-      samples_.count,
-      {samples_.warped.data(),
-       samples_.warped_high.data(),
-       {samples_.gradient[0].data(), samples_.gradient[1].data(), samples_.gradient[2].data()}});
+void MotionRefinement::warp(const RectifiedFrame& reference, const Correction& correction) {
+  const Eigen::Matrix<float, kernels::alignment_moves, 1> c = correction.cast<float>();
+  kernels::WarpedSamples out;
+  out.grey = samples_.warped.data();
+  out.high = samples_.warped_high.data();
+  for (std::size_t k = 0; k < samples_.gradient.size(); ++k)
+    out.gradient[k] = samples_.gradient[k].data();
+  kernels::warpSamples(reference.image.view(), samples_.positions(), samples_.reference_mean.data(),
+                       c.data(), samples_.count, out);
 }
 
 kernels::AlignmentResidual MotionRefinement::residual(const Photometric& photometric,
@@ -204,10 +222,10 @@ kernels::AlignmentResidual MotionRefinement::residual(const Photometric& photome
 /// Normal equations of the floor, weighed by Tukey; and the residual's robust standard deviation,
 /// within sane bounds.
 void MotionRefinement::normalEquations(RefinedMotion& state, bool high_pass, double limit,
-                                       Matrix5& A, Vector5& b) {
+                                       Normal& A, Unknowns& b) {
   const kernels::AlignmentResidual e = residual(state.photometric, high_pass);
-  const std::array<const float*, 3> gradient{
-      samples_.gradient[0].data(), samples_.gradient[1].data(), samples_.gradient[2].data()};
+  std::array<const float*, kernels::alignment_moves> gradient;
+  for (std::size_t k = 0; k < gradient.size(); ++k) gradient[k] = samples_.gradient[k].data();
   std::array<double, kernels::alignment_sums> sums;
   kernels::alignmentSums(e, gradient.data(), static_cast<float>(limit), sums.data());
   const float median =
@@ -220,19 +238,20 @@ void MotionRefinement::normalEquations(RefinedMotion& state, bool high_pass, dou
 }
 
 /// One Gauss-Newton step; outliers are judged by the spread of the step before.
-void MotionRefinement::step(const Prior& prior, const SE2& base, Eigen::Vector3d& correction,
+void MotionRefinement::step(const Prior& prior, const SE2& base, Correction& correction,
                             RefinedMotion& state) {
-  Matrix5 A;
-  Vector5 b;
+  Normal A;
+  Unknowns b;
   normalEquations(state, true, tukey * std::max(state.sigma, anneal_), A, b);
-  prior.add(state.motion, state.photometric, A, b);
-  const Eigen::LLT<Matrix5> solver(A);
-  const Vector5 delta = solver.solve(b);
-  correction += delta.head<3>();
-  state.motion = {base.x + correction.x(), base.y + correction.y(), base.theta + correction.z()};
-  state.photometric.gain += delta[3] / gain_scale;
-  state.photometric.offset += delta[4];
-  state.covariance = solver.solve(Matrix5::Identity()).topLeftCorner<3, 3>();
+  prior.add(state, A, b);
+  const Eigen::LLT<Normal> solver(A);
+  const Unknowns delta = solver.solve(b);
+  correction += delta.head<kernels::alignment_moves>();
+  state.motion = moved(base, correction[x_at], correction[y_at], correction[theta_at]);
+  state.sway = {correction[pitch_at], correction[roll_at]};
+  state.photometric.gain += delta[gain_at] / gain_scale;
+  state.photometric.offset += delta[offset_at];
+  state.covariance = solver.solve(Normal::Identity()).topLeftCorner<3, 3>();
 }
 
 /// Gain and offset on the plain images, the motion being settled.
@@ -242,10 +261,11 @@ void MotionRefinement::fitBrightness(RefinedMotion& state) {
   state.sigma = first_spread;
   const Prior prior(parameters_, state.motion, 0.0);
   for (int round = 0; round < rounds; ++round) {
-    Matrix5 A;
-    Vector5 b;
+    Normal A;
+    Unknowns b;
     normalEquations(state, false, tukey * state.sigma, A, b);
-    prior.addBrightness(state.photometric, A(3, 3), A(4, 4), b[3], b[4]);
+    prior.addBrightness(state.photometric, A(gain_at, gain_at), A(offset_at, offset_at), b[gain_at],
+                        b[offset_at]);
     const Eigen::Matrix2d brightness = A.bottomRightCorner<2, 2>();
     const Eigen::Vector2d right_side = b.tail<2>();
     const Eigen::Vector2d delta = brightness.llt().solve(right_side);
@@ -262,7 +282,7 @@ RefinedMotion MotionRefinement::refine(const RectifiedFrame& current,
   state.sigma = first_spread;
   const Prior prior(parameters_, odometry, current.stamp - reference.stamp);
   SE2 base = state.motion;
-  Eigen::Vector3d correction = Eigen::Vector3d::Zero();
+  Correction correction = Correction::Zero();
   linearize(current, reference, base);
   warp(reference, correction);
   state.samples = samples_.count;
@@ -271,14 +291,14 @@ RefinedMotion MotionRefinement::refine(const RectifiedFrame& current,
     return state;
   }
   for (int i = 0; parameters_.refine && i < parameters_.iterations; ++i) {
-    const Eigen::Vector3d before = correction;
+    const Correction before = correction;
     anneal_ = parameters_.first_spread * std::pow(0.5, i);
     step(prior, base, correction, state);
     state.refined = true;
     if (correction.head<2>().norm() > linear_within * grid_.height ||
-        std::abs(correction.z()) > linear_within) {
+        std::abs(correction[theta_at]) > linear_within) {
       base = state.motion;
-      correction.setZero();
+      correction.head<3>().setZero();
       linearize(current, reference, base);
       if (samples_.count < parameters_.min_samples) break;
       warp(reference, correction);

@@ -11,14 +11,11 @@ constexpr double same_place = 5.0;  // candidates
 
 }  // namespace
 
-void RememberedFoot::configure(const VerticalSweep& sweep, double height,
-                               const FreeFloorParameters& free_floor,
+void RememberedFoot::configure(const VerticalSweep& sweep, const FreeFloorParameters& free_floor,
                                const FootParameters& parameters) {
   parameters_ = parameters;
   edge_.configure(sweep, free_floor, parameters);
-  height_ = height;
-  first_azimuth_ = sweep.azimuth(0);
-  azimuth_step_ = sweep.azimuth(1) - first_azimuth_;
+  grid_ = sweep.scoreGrid();
   known_.clear();
   known_.reserve(most_known);
   newest_.resize(static_cast<std::size_t>(sweep.beams()));
@@ -35,7 +32,7 @@ void RememberedFoot::assign(const SE2& T_foot_floor) {
   const auto last = static_cast<double>(newest_.size() - 1);
   for (const Known& known : known_) {
     const Eigen::Vector2d p = T_foot_floor * known.p_floor;
-    const double beam = wrapAngle(std::atan2(p.y(), p.x()) - first_azimuth_) / azimuth_step_;
+    const double beam = grid_.beam(p);
     if (beam > -0.5 && beam < last + 0.5)
       newest_[static_cast<std::size_t>(std::lround(std::clamp(beam, 0.0, last)))] = {
           p.norm(), known.sure, known.foot};
@@ -45,7 +42,7 @@ void RememberedFoot::assign(const SE2& T_foot_floor) {
 bool RememberedFoot::knownAt(int beam, const BeamChoice& choice) const {
   const Place& place = newest_[static_cast<std::size_t>(beam)];
   return place.distance > 0.0 &&
-         std::abs(edge_.candidateOf(height_ / place.distance) - choice.candidate) < same_place;
+         std::abs(grid_.candidate(place.distance) - choice.candidate) < same_place;
 }
 
 void RememberedFoot::remember(const ComparedFrame& frame, const SE2& T_floor_foot, double stamp,
@@ -57,11 +54,10 @@ void RememberedFoot::remember(const ComparedFrame& frame, const SE2& T_floor_foo
     const float contrast = FootEdge::contrastAt(frame, b, choice);
     if (std::abs(contrast) < static_cast<float>(parameters_.foot_contrast)) continue;
     if (known_.size() == most_known) known_.erase(known_.begin(), known_.begin() + most_known / 8);
-    const double azimuth = frame.sweep.azimuth(b), d = height_ / frame.sweep.r(choice.candidate);
     const int support = static_cast<int>(frame.sweep.sweepRow(choice.candidate)) - choice.top;
-    known_.push_back({T_floor_foot * Eigen::Vector2d(d * std::cos(azimuth), d * std::sin(azimuth)),
+    known_.push_back({T_floor_foot * grid_.point(b, double{choice.candidate}),
                       stamp,
-                      !choice.by_edge || knownAt(b, choice),
+                      !(choice.by_edge || choice.doubtful) || knownAt(b, choice),
                       {contrast, choice.score, support}});
   }
 }
@@ -75,8 +71,8 @@ void RememberedFoot::complete(const ComparedFrame& frame, const SE2& T_floor_foo
   for (std::size_t beam = 0; beam < choices.size(); ++beam) {
     const Place& place = newest_[beam];
     if (choices[beam].any() || !place.sure) continue;
-    choices[beam] = edge_.find(frame, place.foot, static_cast<int>(beam),
-                               edge_.candidateOf(height_ / place.distance));
+    choices[beam] =
+        edge_.find(frame, place.foot, static_cast<int>(beam), grid_.candidate(place.distance));
   }
 }
 

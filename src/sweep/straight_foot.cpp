@@ -26,11 +26,10 @@ void FloorLine::add(const Eigen::Vector2d& direction, double r) {
   if (det > 1e-12 * xx_ * xx_) line_ = {(yy_ * x_ - xy_ * y_) / det, (xx_ * y_ - xy_ * x_) / det};
 }
 
-void StraightFoot::configure(const VerticalSweep& sweep, double height,
-                             const FreeFloorParameters& free_floor,
+void StraightFoot::configure(const VerticalSweep& sweep, const FreeFloorParameters& free_floor,
                              const FootParameters& parameters) {
   parameters_ = parameters;
-  height_ = height;
+  grid_ = sweep.scoreGrid();
   edge_.configure(sweep, free_floor, parameters);
   direction_.clear();
   for (int beam = 0; beam < sweep.beams(); ++beam)
@@ -41,7 +40,7 @@ void StraightFoot::configure(const VerticalSweep& sweep, double height,
 }
 
 Eigen::Vector2d StraightFoot::point(int beam, double r) const {
-  return height_ / r * direction_[static_cast<std::size_t>(beam)];
+  return grid_.height / r * direction_[static_cast<std::size_t>(beam)];
 }
 
 /// Contacts from `first` on that lie on one line, small gaps allowed; true if they say enough.
@@ -55,7 +54,8 @@ bool StraightFoot::collect(const Scene& scene, int first, Run& run) {
     if (run_.size() >= 2) {
       const double r = run.line.r(direction);
       const double tolerance = parameters_.foot_tolerance * (run_.size() < settled ? unsettled : 1);
-      if (!(r > 0.0) || std::abs(choice.candidate - edge_.candidateOf(r)) > tolerance) continue;
+      if (!(r > 0.0) || std::abs(choice.candidate - grid_.candidateOfSlope(r)) > tolerance)
+        continue;
     }
     run.line.add(direction, scene.frame.sweep.r(choice.candidate));
     run_.push_back(beam);
@@ -70,14 +70,14 @@ bool StraightFoot::measure(const Scene& scene, Run& run) const {
   const double r_back = run.line.r(direction_[static_cast<std::size_t>(run_.back())]);
   if (!(r_front > 0.0) || !(r_back > 0.0)) return false;
   run.length = (point(run_.front(), r_front) - point(run_.back(), r_back)).norm();
-  if (run.length < parameters_.foot_length * height_) return false;
+  if (run.length < parameters_.foot_length * grid_.height) return false;
   KnownFoot& foot = run.foot;
   float sum = 0.0F, sizes = 0.0F;
   for (const int beam : run_) {
     const BeamChoice& choice = scene.choices[static_cast<std::size_t>(beam)];
     const double r = run.line.r(direction_[static_cast<std::size_t>(beam)]);
     if (!(r > 0.0) ||
-        std::abs(choice.candidate - edge_.candidateOf(r)) > parameters_.foot_tolerance)
+        std::abs(choice.candidate - grid_.candidateOfSlope(r)) > parameters_.foot_tolerance)
       return false;
     const float g = FootEdge::contrastAt(scene.frame, beam, choice);
     sum += g;
@@ -102,7 +102,7 @@ void StraightFoot::walk(const Scene& scene, const Run& run, int side) {
     const auto i = static_cast<std::size_t>(beam);
     const double r = line.r(direction_[i]);
     if (!(r > 0.0) || (point(beam, r) - start).norm() > parameters_.foot_reach * run.length) return;
-    const double expected = edge_.candidateOf(r);
+    const double expected = grid_.candidateOfSlope(r);
     if (scene.choices[i].any()) {
       if (std::abs(scene.choices[i].candidate - expected) > other_thing) return;
       missed = 0;

@@ -19,6 +19,18 @@ void SweepDetector::fillView(const Frame& frame, Obstacles& obstacles) const {
   view.T_odom_base = frame.T_odom_base;
 }
 
+/// Height of the support above the contact, metres.
+double SweepDetector::heightOf(const BeamChoice& choice) const {
+  const double r_top = grid_.r(choice.top * PolarGrid::rows_per_sweep_row);
+  return grid_.height * std::max(0.0, 1.0 - r_top / sweep_.r(choice.candidate));
+}
+
+void SweepDetector::doubtLowContacts() {
+  for (BeamChoice& choice : choices_)
+    if (choice.any() && heightOf(choice) < parameters_.selection.least_height)
+      choice.doubtful = true;
+}
+
 /// Range variance: the sharpness of the score's maximum, then what calibration may be off. With
 /// d = h / r: a pitch error p moves r by (1 + r^2) p, a height error e moves d by d e / h.
 Contact SweepDetector::contactOf(int beam, const BeamChoice& choice) const {
@@ -35,8 +47,7 @@ Contact SweepDetector::contactOf(int beam, const BeamChoice& choice) const {
     contact.v = static_cast<float>(v);
   }
   contact.score = choice.score;
-  const double r_top = grid_.r(choice.top * PolarGrid::rows_per_sweep_row);
-  contact.height = static_cast<float>(grid_.height * std::max(0.0, 1.0 - r_top / r));
+  contact.height = static_cast<float>(heightOf(choice));
   const CalibrationUncertainty& c = parameters_.uncertainty;
   const double step = PolarGrid::rows_per_sweep_row / grid_.rows_per_log * d;
   const double sharpness = std::max(static_cast<double>(-choice.curvature), c.least_sharpness);
@@ -131,6 +142,19 @@ void SweepDetector::fillObstacles(const CurrentView& current, Obstacles& obstacl
     obstacles.bearings.push_back(bearing);
   }
   free_floor_.limit(current_.T_floor_base, obstacles);
+  withdrawDoubtful(obstacles);
+}
+
+/// They have kept the floor beside them from being called free; more they do not say yet.
+void SweepDetector::withdrawDoubtful(Obstacles& obstacles) const {
+  const auto doubtful = [&](const Contact& contact) {
+    const auto beam = static_cast<std::size_t>(contact.bearing);
+    if (!choices_[beam].doubtful) return false;
+    obstacles.bearings[beam].state = BearingState::Unknown;
+    return true;
+  };
+  auto& contacts = obstacles.contacts;
+  contacts.erase(std::remove_if(contacts.begin(), contacts.end(), doubtful), contacts.end());
 }
 
 /// Distance from the camera's foot at which a bearing leaves the circle of max_range around base.

@@ -46,6 +46,7 @@ void SweepDetector::configure(const CameraPose& T_base_camera) {
   noise_.configure(grid_, rows, parameters_.noise);
   lattice_.configure(grid_, rows);
   refinement_.configure(grid_, rows, foot, parameters_.refinement);
+  sway_.configure(grid_, rows);
   specular_.configure(grid_, rows, parameters_.evidence);
   floor_cost_.configure(grid_, rows, parameters_.evidence);
   sweep_.configure(grid_, rows, noise_.sweepRows(), parameters_.grid.max_support,
@@ -54,8 +55,9 @@ void SweepDetector::configure(const CameraPose& T_base_camera) {
   leaning_.configure(parameters_.selection);
   free_floor_.configure(parameters_.free_floor);
   edge_.configure(parameters_.selection);
-  straight_foot_.configure(sweep_, grid_.height, parameters_.free_floor, parameters_.foot);
-  remembered_foot_.configure(sweep_, grid_.height, parameters_.free_floor, parameters_.foot);
+  straight_foot_.configure(sweep_, parameters_.free_floor, parameters_.foot);
+  remembered_foot_.configure(sweep_, parameters_.free_floor, parameters_.foot);
+  lone_contact_.configure(sweep_, parameters_.selection);
   plain_edge_.configure(sweep_, parameters_.free_floor, parameters_.foot);
   ring_.configure(grid_, parameters_.reference);
   current_.image.resize(grid_.rows, grid_.lines);
@@ -67,6 +69,7 @@ void SweepDetector::configure(const CameraPose& T_base_camera) {
     planes.odd.resize(grid_.sweepRows(), grid_.lines);
     planes.floor_cost.resize(grid_.sweepRows(), sweep_.beams());
   }
+  for (auto& image : steady_) image.resize(grid_.rows, grid_.lines);
   choices_.reserve(static_cast<std::size_t>(sweep_.beams()));
 }
 
@@ -77,6 +80,7 @@ void SweepDetector::reset() {
   calibration_.reset();
   free_floor_.reset();
   remembered_foot_.reset();
+  lone_contact_.reset();
   seen_any_ = false;
 }
 
@@ -112,8 +116,10 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
     straight_foot_.complete(compared, choices_);
     const Eigen::Vector2d foot =
         current_.T_floor_base * Eigen::Vector2d(T_base_camera_.translation().head<2>());
-    remembered_foot_.complete(compared, {foot.x(), foot.y(), current_.T_floor_base.theta},
-                              frame.stamp, choices_);
+    const SE2 T_floor_foot{foot.x(), foot.y(), current_.T_floor_base.theta};
+    lone_contact_.mark(T_floor_foot, choices_);
+    doubtLowContacts();
+    remembered_foot_.complete(compared, T_floor_foot, frame.stamp, choices_);
     lap("known_feet");
     fillObstacles(view, obstacles);
     lap("answer");
@@ -187,12 +193,20 @@ void SweepDetector::splitCurrent() {
   lap("noise_model");
 }
 
-void SweepDetector::splitReference(const RectifiedFrame& reference, const Photometric& photometric,
-                                   Planes& planes) {
+/// The reference as the robot would have seen it with the attitude it has now.
+const Image<std::uint8_t>& SweepDetector::steadied(std::size_t reference) {
+  const Image<std::uint8_t>& image = references_[reference]->image;
+  const Sway& sway = motions_[reference].sway;
+  if (sway.size() <= parameters_.refinement.least_sway) return image;
+  sway_.remove(sway, image, steady_[reference]);
+  return steady_[reference];
+}
+
+void SweepDetector::splitReference(const Image<std::uint8_t>& reference,
+                                   const Photometric& photometric, Planes& planes) {
   for (int line = 0; line < grid_.lines; ++line)
-    kernels::splitRows(reference.image.row(line), photometric.fixedGain(),
-                       photometric.fixedOffset(), grid_.sweepRows(), planes.even.row(line),
-                       planes.odd.row(line));
+    kernels::splitRows(reference.row(line), photometric.fixedGain(), photometric.fixedOffset(),
+                       grid_.sweepRows(), planes.even.row(line), planes.odd.row(line));
 }
 
 void SweepDetector::compareWithReferences() {
@@ -207,11 +221,12 @@ void SweepDetector::compareWithReferences() {
   lap("motion_refinement");
   for (std::size_t q = 0; q < static_cast<std::size_t>(reference_count_); ++q) {
     Planes& planes = planes_[q];
+    const Image<std::uint8_t>& reference = steadied(q);
     const FootMotion motion(motions_[q].motion, foot);
     floor_cost_.evaluate({current_grey_.view(), weight_.view(), &noise_.sweepRows()},
-                         references_[q]->image.view(), motion, motions_[q].photometric,
+                         reference.view(), motion, motions_[q].photometric,
                          planes.floor_cost.view());
-    splitReference(*references_[q], motions_[q].photometric, planes);
+    splitReference(reference, motions_[q].photometric, planes);
     views_[q] = {planes.even.view(), planes.odd.view(), planes.floor_cost.view(), motion};
     if (parameters_.evidence.specular_prior < 9.0)
       specular_.apply({current_grey_.view(), weight_.view(), &noise_.sweepRows()}, sweep_,

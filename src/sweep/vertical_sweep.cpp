@@ -24,6 +24,16 @@ double VerticalSweep::r(double candidate) const {
   return grid_.r(sweepRow(candidate) * PolarGrid::rows_per_sweep_row);
 }
 
+ScoreGrid VerticalSweep::scoreGrid() const {
+  ScoreGrid grid;
+  grid.first_azimuth = azimuth(0);
+  grid.azimuth_step = azimuth(1) - azimuth(0);
+  grid.first_slope = r(0.0);
+  grid.candidates_per_log = 1.0 / std::log(r(1.0) / r(0.0));
+  grid.height = grid_.height;
+  return grid;
+}
+
 void VerticalSweep::configure(const PolarGrid& grid, const std::vector<RowRange>& reference_rows,
                               const std::vector<RowRange>& current_rows, double max_support,
                               const EvidenceParameters& p) {

@@ -26,36 +26,53 @@ Array randomFloats(std::size_t count, float low, float high, unsigned seed) {
   return values;
 }
 
+constexpr std::size_t moves = kernels::alignment_moves;
+
+/// Pointers to the arrays' elements.
+template <class Arrays>
+void point(Arrays& arrays, float* (&to)[moves]) {
+  for (std::size_t k = 0; k < moves; ++k) to[k] = arrays[k].data();
+}
+
 struct Positions {
   Array row, line;
-  std::array<Array, 3> d_row, d_line;
+  std::array<Array, moves> d_row, d_line;
 
   explicit Positions(std::size_t n) : row(n), line(n) {
     for (auto* arrays : {&d_row, &d_line})
       for (Array& array : *arrays) array.resize(n);
   }
   kernels::SamplePositions view() {
-    return {row.data(),
-            line.data(),
-            {d_row[0].data(), d_row[1].data(), d_row[2].data()},
-            {d_line[0].data(), d_line[1].data(), d_line[2].data()}};
+    kernels::SamplePositions all;
+    all.row = row.data();
+    all.line = line.data();
+    point(d_row, all.d_row);
+    point(d_line, all.d_line);
+    return all;
   }
 };
 
 constexpr double rows_per_log = 200.0, lines_per_radian = 400.0, log_height = -0.8, left = 0.7;
+const double height = std::exp(log_height);
 const Array foot{0.05F, -0.01F};
 
-/// Exact position of a floor point for a motion (x, y, theta) of the base.
-std::array<double, 2> exact(double x, double y, const std::array<double, 3>& motion) {
+/// Exact position of a floor point for a motion (x, y, theta) of the base, pitch and roll of the
+/// camera in the reference.
+std::array<double, 2> exact(double x, double y, const std::array<double, moves>& motion) {
   const double c = std::cos(motion[2]), s = std::sin(motion[2]);
   const double bx = x + static_cast<double>(foot[0]), by = y + static_cast<double>(foot[1]);
   const double px = c * bx - s * by + motion[0] - static_cast<double>(foot[0]);
   const double py = s * bx + c * by + motion[1] - static_cast<double>(foot[1]);
-  return {rows_per_log * (log_height - std::log(std::hypot(px, py)) + 2.0),
-          lines_per_radian * (left - std::atan2(py, px))};
+  // Into the axes of the swayed camera: R_x(-roll) R_y(-pitch).
+  const double cp = std::cos(motion[3]), sp = std::sin(motion[3]);
+  const double cr = std::cos(motion[4]), sr = std::sin(motion[4]);
+  const double nx = cp * px + sp * height, nz = sp * px - cp * height;
+  const double ny = cr * py + sr * nz, down = sr * py - cr * nz;
+  return {rows_per_log * (std::log(down / std::hypot(nx, ny)) + 2.0),
+          lines_per_radian * (left - std::atan2(ny, nx))};
 }
 
-kernels::FloorProjection projection(const std::array<double, 3>& motion) {
+kernels::FloorProjection projection(const std::array<double, moves>& motion) {
   const double c = std::cos(motion[2]), s = std::sin(motion[2]);
   const double fx = static_cast<double>(foot[0]), fy = static_cast<double>(foot[1]);
   kernels::FloorProjection p;
@@ -65,6 +82,7 @@ kernels::FloorProjection projection(const std::array<double, 3>& motion) {
   p.ty = static_cast<float>(s * fx + c * fy + motion[1] - fy);
   p.foot_x = foot[0];
   p.foot_y = foot[1];
+  p.height = static_cast<float>(height);
   p.rows_per_log = rows_per_log;
   p.row_at_one = static_cast<float>(rows_per_log * (log_height + 2.0));
   p.lines_per_radian = lines_per_radian;
@@ -75,7 +93,7 @@ kernels::FloorProjection projection(const std::array<double, 3>& motion) {
 TEST(SweepAlignmentKernels, ProjectionIsExactToAHundredthOfAPixelInEveryDirection) {
   const std::size_t n = 400;
   const Array x = randomFloats(n, -4.0F, 4.0F, 1), y = randomFloats(n, -4.0F, 4.0F, 2);
-  const std::array<double, 3> motion{0.31, -0.02, 0.21};
+  const std::array<double, moves> motion{0.31, -0.02, 0.21};
   withEverySweepTarget([&] {
     Positions at(x.size());
     kernels::projectFloor(x.data(), y.data(), static_cast<int>(n), projection(motion), at.view());
@@ -90,10 +108,10 @@ TEST(SweepAlignmentKernels, ProjectionIsExactToAHundredthOfAPixelInEveryDirectio
 TEST(SweepAlignmentKernels, SlopesOfThePositionsAreThoseOfTheMotion) {
   const std::size_t n = 60;
   const Array x = randomFloats(n, 0.4F, 3.0F, 3), y = randomFloats(n, -1.0F, 1.0F, 4);
-  const std::array<double, 3> motion{0.15, 0.01, -0.1};
+  const std::array<double, moves> motion{0.15, 0.01, -0.1};
   Positions at(x.size());
   kernels::projectFloor(x.data(), y.data(), static_cast<int>(n), projection(motion), at.view());
-  for (std::size_t k = 0; k < 3; ++k) {
+  for (std::size_t k = 0; k < moves; ++k) {
     const double step = 1e-5;
     auto more = motion, less = motion;
     more[k] += step;
@@ -123,13 +141,17 @@ TEST(SweepAlignmentKernels, ProjectionHasTheSameBitsOnEveryTarget) {
 
 struct Warped {
   Array grey, high;
-  std::array<Array, 3> gradient;
+  std::array<Array, moves> gradient;
 
   explicit Warped(std::size_t n) : grey(n), high(n) {
     for (Array& array : gradient) array.resize(n);
   }
   kernels::WarpedSamples view() {
-    return {grey.data(), high.data(), {gradient[0].data(), gradient[1].data(), gradient[2].data()}};
+    kernels::WarpedSamples all;
+    all.grey = grey.data();
+    all.high = high.data();
+    point(gradient, all.gradient);
+    return all;
   }
 };
 
@@ -147,12 +169,12 @@ TEST(SweepAlignmentKernels, SamplesOfAPlaneLieOnIt) {
   Positions at(n + kernels::overrun);
   at.row = randomFloats(n, 2.0F, 30.0F, 7);
   at.line = randomFloats(n, 2.0F, 25.0F, 8);
-  for (std::size_t k = 0; k < 3; ++k) {
+  for (std::size_t k = 0; k < moves; ++k) {
     at.d_row[k] = randomFloats(n, -3.0F, 3.0F, 9 + static_cast<unsigned>(k));
-    at.d_line[k] = randomFloats(n, -3.0F, 3.0F, 12 + static_cast<unsigned>(k));
+    at.d_line[k] = randomFloats(n, -3.0F, 3.0F, 29 + static_cast<unsigned>(k));
   }
   const Array mean = randomFloats(n, 0.0F, 99.0F, 15);
-  const std::array<float, 3> correction{0.2F, -0.1F, 0.05F};
+  const std::array<float, moves> correction{0.2F, -0.1F, 0.05F, 0.03F, -0.04F};
   const Image<std::uint8_t> image = plane();
   withEverySweepTarget([&] {
     Warped out(mean.size());
@@ -160,7 +182,7 @@ TEST(SweepAlignmentKernels, SamplesOfAPlaneLieOnIt) {
                          static_cast<int>(n), out.view());
     for (std::size_t i = 0; i < n; ++i) {
       float row = at.row[i], line = at.line[i];
-      for (std::size_t k = 0; k < 3; ++k) {
+      for (std::size_t k = 0; k < moves; ++k) {
         row += at.d_row[k][i] * correction[k];
         line += at.d_line[k][i] * correction[k];
         ASSERT_NEAR(out.gradient[k][i], 2.0F * at.d_row[k][i] + at.d_line[k][i], 1e-4F);
@@ -179,7 +201,7 @@ TEST(SweepAlignmentKernels, PositionsOutsideStopAtTheBorder) {
   at.row.resize(4 + kernels::overrun);
   at.line.resize(at.row.size());
   const Array mean(at.row.size(), 0.0F);
-  const std::array<float, 3> correction{};
+  const std::array<float, moves> correction{};
   withEverySweepTarget([&] {
     Warped out(mean.size());
     kernels::warpSamples(image.view(), at.view(), mean.data(), correction.data(), 4, out.view());
@@ -194,7 +216,7 @@ TEST(SweepAlignmentKernels, PositionsOutsideStopAtTheBorder) {
 struct Residuals {
   std::size_t n;
   Array current, warped;
-  std::array<Array, 3> gradient;
+  std::array<Array, moves> gradient;
 
   explicit Residuals(std::size_t count)
       : n(count),
@@ -202,7 +224,7 @@ struct Residuals {
         warped(randomFloats(count, -2.0F, 2.0F, 17)) {
     for (std::size_t i = 0; i < current.size(); ++i)
       if (i % 7 != 0) current[i] = 0.9F * warped[i] + 0.05F * current[i];
-    for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t k = 0; k < moves; ++k)
       gradient[k] = randomFloats(count, -300.0F, 300.0F, 18 + static_cast<unsigned>(k));
   }
   [[nodiscard]] kernels::AlignmentResidual view() const {
@@ -222,22 +244,23 @@ TEST(SweepAlignmentKernels, NormalEquationsAreTheWeightedSumsAndTheSameOnEveryTa
     for (std::size_t i = 0; i < n; ++i) {
       const double share = data.e(i) / limit, rest = std::max(0.0, 1.0 - share * share);
       const double w = rest * rest;
-      const std::array<double, 5> J{
-          static_cast<double>(data.gradient[0][i]), static_cast<double>(data.gradient[1][i]),
-          static_cast<double>(data.gradient[2][i]), static_cast<double>(data.warped[i]), 1.0};
-      std::size_t at = 5;
-      for (std::size_t row = 0; row < 5; ++row) {
+      std::array<double, kernels::alignment_unknowns> J;
+      for (std::size_t k = 0; k < moves; ++k) J[k] = static_cast<double>(data.gradient[k][i]);
+      J[moves] = static_cast<double>(data.warped[i]);
+      J[moves + 1] = 1.0;
+      std::size_t at = J.size();
+      for (std::size_t row = 0; row < J.size(); ++row) {
         expected[row] += w * data.e(i) * J[row];
         size[row] += std::abs(w * data.e(i) * J[row]);
-        for (std::size_t column = row; column < 5; ++column, ++at) {
+        for (std::size_t column = row; column < J.size(); ++column, ++at) {
           expected[at] += w * J[row] * J[column];
           size[at] += std::abs(w * J[row] * J[column]);
         }
       }
     }
     bool any = false;
-    const std::array<const float*, 3> gradient{data.gradient[0].data(), data.gradient[1].data(),
-                                               data.gradient[2].data()};
+    std::array<const float*, moves> gradient;
+    for (std::size_t k = 0; k < moves; ++k) gradient[k] = data.gradient[k].data();
     withEverySweepTarget([&] {
       std::array<double, kernels::alignment_sums> sums{};
       kernels::alignmentSums(data.view(), gradient.data(), static_cast<float>(limit), sums.data());

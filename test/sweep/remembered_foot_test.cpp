@@ -15,7 +15,7 @@ class Remembered : public PlainWall {
     PlainWall::SetUp();
     choices.assign(static_cast<std::size_t>(sweep.beams()), BeamChoice{});
   }
-  void configure() { remembered.configure(sweep, grid.height, FreeFloorParameters{}, parameters); }
+  void configure() { remembered.configure(sweep, FreeFloorParameters{}, parameters); }
   /// The wall, 1.2 m away, seen by its own texture, or guessed by its edge. Its picture is that of
   /// a wall at 1.2 m.
   void see(double stamp, bool by_edge = false) {

@@ -38,7 +38,7 @@ class Foot : public PlainWall {
   }
   void complete() {
     StraightFoot straight_foot;
-    straight_foot.configure(sweep, grid.height, FreeFloorParameters{}, parameters);
+    straight_foot.configure(sweep, FreeFloorParameters{}, parameters);
     const SweepReference one = reference();
     const CurrentView now = current();
     straight_foot.complete({now, &one, 1, sweep}, choices);

@@ -23,7 +23,7 @@ class Drive {
   FrameStatus at(const SE2& pose) { return at(pose, pose); }
   /// The robot is at a pose, its wheels say another one.
   FrameStatus at(const SE2& pose, const SE2& by_wheels) {
-    const Image<std::uint8_t> picture = scene.render(pose);
+    const Image<std::uint8_t> picture = scene.render(pose, sway);
     Frame frame;
     frame.index = index++;
     frame.stamp = 0.1 * static_cast<double>(frame.index);
@@ -49,6 +49,7 @@ class Drive {
   SweepDetector detector;
   Obstacles obstacles;
   std::uint64_t index = 0;
+  Sway sway;  // of the camera from now on
   SE2 last;
 };
 
@@ -74,6 +75,64 @@ TEST(SweepDetector, FindsItWhileReversing) {
   ASSERT_EQ(drive.along(0.4, 0.0, 5), FrameStatus::Used);
   EXPECT_GE(drive.obstacles.contacts.size(), 4U);
   EXPECT_GE(drive.shareOnOutlines(), 0.95);
+}
+
+/// A post a beam wide: known from the second look on, and its bearing never free.
+TEST(SweepDetector, AThinPostIsBelievedAtTheSecondLook) {
+  Drive drive;
+  drive.scene.boxes = {{1.25, 1.28, 0.0, 0.025, 0.5}};
+  int looks = 0;
+  std::size_t first = 0, later = 0;
+  for (int i = 0; i <= 6; ++i) {
+    if (drive.at({0.05 * i, 0.0, 0.0}) != FrameStatus::Used) continue;
+    (looks++ == 0 ? first : later) += drive.obstacles.contacts.size();
+    const Eigen::Vector2d foot = drive.last * Eigen::Vector2d(0.05, -0.01);
+    for (const Bearing& b : drive.obstacles.bearings)
+      if (b.state == BearingState::Free &&
+          std::abs(double{b.angle} - std::atan2(0.006 - foot.y(), 1.25 - foot.x())) < 0.005)
+        EXPECT_LT(b.range, 1.3 - foot.x());
+  }
+  EXPECT_EQ(first, 0U);
+  EXPECT_GT(later, 0U);
+}
+
+/// A robot drives over a mat or a cable, not over a plank.
+TEST(SweepDetector, WhatIsTooLowIsNoObstacleAndNoFreeFloorEither) {
+  for (const double height : {0.012, 0.05}) {
+    SweepParameters parameters = test::smallParameters();
+    parameters.selection.least_height = 0.03;
+    Drive drive(parameters);
+    drive.scene.boxes = {{0.95, 1.15, -0.2, 0.25, height}};
+    ASSERT_EQ(drive.along(0.0, 0.3, 5), FrameStatus::Used);
+    if (height > 0.03) {
+      EXPECT_GE(drive.obstacles.contacts.size(), 5U);
+    } else {
+      EXPECT_TRUE(drive.obstacles.contacts.empty());
+      parameters.selection.least_height = 0.0;
+      Drive all(parameters);
+      all.scene.boxes = drive.scene.boxes;
+      ASSERT_EQ(all.along(0.0, 0.3, 5), FrameStatus::Used);
+      EXPECT_GE(all.obstacles.contacts.size(), 2U);
+      for (const Contact& c : all.obstacles.contacts)
+        EXPECT_NE(drive.obstacles.bearings[static_cast<std::size_t>(c.bearing)].state,
+                  BearingState::Free);
+    }
+  }
+}
+
+/// A robot that nods a third of a degree from frame to frame.
+TEST(SweepDetector, NoddingDoesNotMakeObstaclesOfTheFloor) {
+  Drive drive;
+  drive.scene.boxes = {{1.25, 1.5, -0.2, 0.25, 0.4}};
+  int frames = 0;
+  for (int i = 0; i <= 6; ++i) {
+    drive.sway.pitch = i % 2 == 0 ? 0.003 : -0.003;
+    if (drive.at({0.07 * i, 0.0, 0.0}) != FrameStatus::Used) continue;
+    ++frames;
+    EXPECT_GE(drive.obstacles.contacts.size(), 5U);
+    EXPECT_GE(drive.shareOnOutlines(), 0.95) << i;
+  }
+  EXPECT_GE(frames, 3);
 }
 
 TEST(SweepDetector, AnEmptyFloorIsFreeAndHasNoContacts) {

@@ -30,12 +30,19 @@ class GrainedScene {
           rays_.push_back(ray(u + (k / samples + 0.5) / samples - 0.5,
                               v + (k % samples + 0.5) / samples - 0.5));
   }
-  [[nodiscard]] Image<std::uint8_t> render(const SE2& T_odom_base) const {
+  /// The robot at a pose, the camera nodded and rolled about its own place.
+  [[nodiscard]] Image<std::uint8_t> render(const SE2& T_odom_base,
+                                           const sweep::Sway& sway = {}) const {
     Image<std::uint8_t> picture(camera.width(), camera.height());
     CameraPose T_odom_camera = CameraPose::Identity();
     T_odom_camera.rotate(Eigen::AngleAxisd(T_odom_base.theta, Eigen::Vector3d::UnitZ()));
     T_odom_camera.translation() = Eigen::Vector3d(T_odom_base.x, T_odom_base.y, 0);
     T_odom_camera = T_odom_camera * T_base_camera;
+    T_odom_camera.linear() =
+        (Eigen::AngleAxisd(T_odom_base.theta, Eigen::Vector3d::UnitZ()) *
+         Eigen::AngleAxisd(sway.pitch, Eigen::Vector3d::UnitY()) *
+         Eigen::AngleAxisd(sway.roll, Eigen::Vector3d::UnitX()) * T_base_camera.linear())
+            .matrix();
     auto next = rays_.begin();
     for (int v = 0; v < camera.height(); ++v) {
       for (int u = 0; u < camera.width(); ++u) {

@@ -10,24 +10,31 @@
 namespace ipm_mapping::kernels {
 
 inline constexpr int alignment_lanes = 8;
-/// Terms of the normal equations: J^T w e (5), then the upper triangle of J^T w J row by row (15).
-inline constexpr int alignment_sums = 20;
+/// What moves the samples: x, y, theta of the base, pitch and roll of the sway.
+inline constexpr int alignment_moves = 5;
+/// Those, gain and offset.
+inline constexpr int alignment_unknowns = alignment_moves + 2;
+/// Terms of the normal equations: J^T w e, then the upper triangle of J^T w J row by row.
+inline constexpr int alignment_sums =
+    alignment_unknowns + alignment_unknowns * (alignment_unknowns + 1) / 2;
 
 /// From floor points around the current foot to pixels of the reference.
 struct FloorProjection {
   float c = 1.0F, s = 0.0F, tx = 0.0F, ty = 0.0F;    ///< p_reference = R p + t
   float foot_x = 0.0F, foot_y = 0.0F;                ///< the camera's foot in base
+  float height = 1.0F;                               ///< of the camera
   float rows_per_log = 1.0F, row_at_one = 0.0F;      ///< row = row_at_one - rows_per_log ln |p|
   float lines_per_radian = 1.0F, line_ahead = 0.0F;  ///< line = line_ahead - lines_per_radian atan2
 };
 
-/// Where floor points are seen in the reference, and how that moves with x, y and theta. Arrays
-/// hold `overrun` elements more than are used.
+/// Where floor points are seen in the reference, and how that moves with x, y, theta, and with
+/// pitch and roll of the robot in the reference against now. Arrays hold `overrun` elements more
+/// than are used.
 struct SamplePositions {
   float* row = nullptr;
   float* line = nullptr;
-  float* d_row[3] = {};
-  float* d_line[3] = {};
+  float* d_row[alignment_moves] = {};
+  float* d_line[alignment_moves] = {};
 };
 
 /// Projects `count` floor points; errors stay below 0.002 of a row or line for
@@ -36,15 +43,15 @@ void projectFloor(const float* x, const float* y, int count, const FloorProjecti
                   const SamplePositions& out);
 
 /// The reference at the samples: bilinear grey level, the same minus the local mean, and its
-/// derivatives by x, y and theta.
+/// derivatives by what moves the samples.
 struct WarpedSamples {
   float* grey = nullptr;
   float* high = nullptr;
-  float* gradient[3] = {};
+  float* gradient[alignment_moves] = {};
 };
 
-/// Samples the reference at positions moved by a correction in x, y and theta; positions outside
-/// stop at the border.
+/// Samples the reference at positions moved by a correction of x, y, theta, pitch and roll;
+/// positions outside stop at the border.
 void warpSamples(ImageView<const std::uint8_t> reference, const SamplePositions& at,
                  const float* mean, const float* correction, int count, const WarpedSamples& out);
 

@@ -67,7 +67,7 @@ struct MotionRefinementParameters {
   bool refine = true;
   double farthest = 5.5;
   int row_step = 6;
-  int line_step = 8;
+  int line_step = 16;
   int iterations = 20;
   double first_spread = 16.0;
   double sd_forward = 0.04;
@@ -78,6 +78,8 @@ struct MotionRefinementParameters {
   double sd_forward_floor = 0.001;
   double sd_sideways_floor = 0.0003;
   double sd_turn_floor = 0.0005;
+  double sd_sway = 0.0003;
+  double least_sway = 0.0003;
   double sd_gain = 0.1;
   double sd_offset = 2.0;
   double correlation = 0.1;
@@ -108,6 +110,11 @@ struct MotionRefinementParameters {
           "the same along y");
     field("sd_turn_floor", self.sd_turn_floor, Unit{"rad"}, Range{1e-6, 1.0},
           "the same of the heading");
+    field("sd_sway", self.sd_sway, Unit{"rad"}, Range{1e-6, 0.1},
+          "how much pitch and roll of the robot usually differ between two frames; nods have heavy "
+          "tails");
+    field("least_sway", self.least_sway, Unit{"rad"}, Range{0.0, 0.1},
+          "a smaller sway is left in the images");
     field("sd_gain", self.sd_gain, Unit{""}, Range{1e-4, 10.0}, "expected change of the gain");
     field("sd_offset", self.sd_offset, Unit{"grey levels"}, Range{1e-3, 100.0},
           "expected change of the offset");
@@ -217,6 +224,9 @@ struct SelectionParameters {
   bool straddle = true;
   double straddle_gap = 0.133;
   double straddle_ratio = 1.5;
+  int lone_frames = 2;
+  int lone_of = 4;
+  double least_height = 0.0225;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& field) {
@@ -262,6 +272,14 @@ struct SelectionParameters {
           "how much nearer 'clearly nearer' is");
     field("straddle_ratio", self.straddle_ratio, Unit{""}, Range{1.0, 100.0},
           "how much stronger 'clearly stronger' is");
+    field(
+        "lone_frames", self.lone_frames, Unit{"frames"}, Range{1, 16},
+        "a contact that no other one stands beside counts when it was seen in so many of the last "
+        "lone_of used frames, its own included; 1: at once");
+    field("lone_of", self.lone_of, Unit{"frames"}, Range{1, 16}, "how many frames these are");
+    field("least_height", self.least_height, Unit{"m"}, Range{0.0, 1.0},
+          "what is seen to be lower is no obstacle: a cable, the edge of a rug; it looks half a "
+          "centimetre to a centimetre higher than it is");
   }
 };
 

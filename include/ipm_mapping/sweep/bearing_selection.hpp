@@ -16,6 +16,7 @@ struct BeamChoice {
   int top = 0;              ///< sweep row where the support ends
   bool by_edge =
       false;  ///< a known foot, found again by its edge (FootEdge): no parallax of its own
+  bool doubtful = false;  ///< alone or low: neither contact nor free floor
   [[nodiscard]] bool any() const { return candidate >= 0.0F; }
 };
 

@@ -39,9 +39,6 @@ class FootEdge {
   /// Strongest change within a row of a contact, signed.
   static float contrastAt(const ComparedFrame& frame, int beam, const BeamChoice& choice);
 
-  /// Candidate, with fraction, of r = height / distance.
-  [[nodiscard]] double candidateOf(double r) const;
-
  private:
   bool mayStand(const ComparedFrame& frame, int beam, int candidate) const;
   bool floorInFront(const ComparedFrame& frame, int beam, int row) const;
@@ -49,7 +46,6 @@ class FootEdge {
   FreeFloorParameters free_floor_;
   FootParameters parameters_;
   PlainEdge plain_edge_;
-  double candidates_per_log_ = 1.0, first_r_ = 1.0;
 };
 
 }  // namespace ipm_mapping::sweep

@@ -12,6 +12,7 @@
 #include "ipm_mapping/sweep/foot_motion.hpp"
 #include "ipm_mapping/sweep/local_mean.hpp"
 #include "ipm_mapping/sweep/polar_grid.hpp"
+#include "ipm_mapping/sweep/sway.hpp"
 
 namespace ipm_mapping::sweep {
 
@@ -28,6 +29,7 @@ struct RectifiedFrame {
 struct RefinedMotion {
   SE2 motion;  ///< pose of the current base in the reference's
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of x, y, theta
+  Sway sway;  ///< of the robot in the reference against the current frame
   Photometric photometric;
   double sigma = 0.0;            ///< robust spread of the floor's residual, grey levels
   int samples = 0;               ///< floor pixels that both frames see
@@ -35,10 +37,11 @@ struct RefinedMotion {
   double reference_stamp = 0.0;  ///< seconds: of the frame that the motion starts from
 };
 
-/// Aligns the floor of two frames: Gauss-Newton over (x, y, theta, gain, offset) on high-passed
-/// images, Tukey weights with a spread from the median, odometry as prior:
-///   min sum_i rho(I_c(p_i) - gain I_r(w(p_i; x, y, theta)) - offset) * correlation / sigma^2
-///       + |(x, y, theta) - odometry|^2 / sd^2 + ((gain - 1) / sd_gain)^2 + (offset / sd_offset)^2.
+/// Aligns the floor of two frames: Gauss-Newton over (x, y, theta, sway, gain, offset) on
+/// high-passed images, Tukey weights with a spread from the median, odometry as prior:
+///   min sum_i rho(I_c(p_i) - gain I_r(w(p_i; x, y, theta, sway)) - offset) * correlation / sigma^2
+///       + |(x, y, theta) - odometry|^2 / sd^2 + |sway|^2 / sd_sway^2
+///       + ((gain - 1) / sd_gain)^2 + (offset / sd_offset)^2.
 /// y and theta look nearly the same on the floor; wheels do not slide sideways, so that y is known
 /// once theta is, and that separates them. Distance and heading have heavy tails: wheels slip.
 /// Then gain and offset alone on the plain images.
@@ -64,30 +67,34 @@ class MotionRefinement {
   /// The same while two frames are aligned: position in the reference is linear in the correction.
   struct Samples {
     using Array = std::vector<float>;
+    using Moves = std::array<Array, kernels::alignment_moves>;
     int count = 0;
     Array row, line;                              // in the reference, at the linearisation point
-    std::array<Array, 3> d_row, d_line;           // by x, y, theta
+    Moves d_row, d_line;                          // by x, y, theta, pitch, roll
     Array current, current_high, reference_mean;  // high: without the local mean
     Array warped, warped_high;                    // of the reference
-    std::array<Array, 3> gradient;                // of its grey level by x, y, theta
+    Moves gradient;                               // of its grey level by the same
     Array deviation;
 
     void resize(std::size_t n);
     void move(std::size_t from, std::size_t to);
     kernels::SamplePositions positions();
   };
-  using Vector5 = Eigen::Matrix<double, 5, 1>;
-  using Matrix5 = Eigen::Matrix<double, 5, 5>;
+  /// Of x, y, theta, pitch and roll.
+  using Correction = Eigen::Matrix<double, kernels::alignment_moves, 1>;
+  /// Those, gain and offset.
+  using Unknowns = Eigen::Matrix<double, kernels::alignment_unknowns, 1>;
+  using Normal = Eigen::Matrix<double, kernels::alignment_unknowns, kernels::alignment_unknowns>;
   struct Prior;
 
   void linearize(const RectifiedFrame& current, const RectifiedFrame& reference, const SE2& motion);
   [[nodiscard]] kernels::FloorProjection projection(const SE2& motion) const;
   [[nodiscard]] bool inView(float row, float line) const;
-  void warp(const RectifiedFrame& reference, const Eigen::Vector3d& correction);
+  void warp(const RectifiedFrame& reference, const Correction& correction);
   [[nodiscard]] kernels::AlignmentResidual residual(const Photometric& photometric,
                                                     bool high_pass) const;
-  void normalEquations(RefinedMotion& state, bool high_pass, double limit, Matrix5& A, Vector5& b);
-  void step(const Prior& prior, const SE2& base, Eigen::Vector3d& correction, RefinedMotion& state);
+  void normalEquations(RefinedMotion& state, bool high_pass, double limit, Normal& A, Unknowns& b);
+  void step(const Prior& prior, const SE2& base, Correction& correction, RefinedMotion& state);
   void fitBrightness(RefinedMotion& state);
 
   PolarGrid grid_;

@@ -16,7 +16,7 @@ namespace ipm_mapping::sweep {
 /// StraightFoot found has to be found there twice: one guess does not carry another.
 class RememberedFoot {
  public:
-  void configure(const VerticalSweep& sweep, double height, const FreeFloorParameters& free_floor,
+  void configure(const VerticalSweep& sweep, const FreeFloorParameters& free_floor,
                  const FootParameters& parameters);
   void reset() { known_.clear(); }
 
@@ -46,7 +46,7 @@ class RememberedFoot {
 
   FootParameters parameters_;
   FootEdge edge_;
-  double height_ = 1.0, first_azimuth_ = 0.0, azimuth_step_ = 1.0;
+  ScoreGrid grid_;
   std::vector<Known> known_;   // oldest first
   std::vector<Place> newest_;  // of every beam
 };

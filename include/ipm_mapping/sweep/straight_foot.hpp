@@ -31,7 +31,7 @@ class FloorLine {
 /// score and support are what is known of the foot.
 class StraightFoot {
  public:
-  void configure(const VerticalSweep& sweep, double height, const FreeFloorParameters& free_floor,
+  void configure(const VerticalSweep& sweep, const FreeFloorParameters& free_floor,
                  const FootParameters& parameters);
 
   /// Fills choices of beams that have none.
@@ -55,7 +55,7 @@ class StraightFoot {
 
   FootParameters parameters_;
   FootEdge edge_;
-  double height_ = 1.0;
+  ScoreGrid grid_;
   std::vector<Eigen::Vector2d> direction_;  // of every beam
   std::vector<int> run_;                    // beams of the run at hand
   std::vector<int> contacts_behind_;        // of the run that continued_ is by

@@ -12,6 +12,7 @@
 #include "ipm_mapping/sweep/floor_cost.hpp"
 #include "ipm_mapping/sweep/free_floor.hpp"
 #include "ipm_mapping/sweep/leaning_surface.hpp"
+#include "ipm_mapping/sweep/lone_contact.hpp"
 #include "ipm_mapping/sweep/motion_refinement.hpp"
 #include "ipm_mapping/sweep/noise_model.hpp"
 #include "ipm_mapping/sweep/plain_edge.hpp"
@@ -20,6 +21,7 @@
 #include "ipm_mapping/sweep/self_calibration.hpp"
 #include "ipm_mapping/sweep/specular_cost.hpp"
 #include "ipm_mapping/sweep/straight_foot.hpp"
+#include "ipm_mapping/sweep/sway.hpp"
 #include "ipm_mapping/sweep/vertical_sweep.hpp"
 
 namespace ipm_mapping::sweep {
@@ -67,11 +69,15 @@ class SweepDetector : public Detector {
   void maskFloor();
   void splitCurrent();
   void compareWithReferences();
-  void splitReference(const RectifiedFrame& reference, const Photometric& photometric,
+  [[nodiscard]] const Image<std::uint8_t>& steadied(std::size_t reference);
+  void splitReference(const Image<std::uint8_t>& reference, const Photometric& photometric,
                       Planes& planes);
   void fillView(const Frame& frame, Obstacles& obstacles) const;
   void fillObstacles(const CurrentView& current, Obstacles& obstacles);
+  void withdrawDoubtful(Obstacles& obstacles) const;
   void fillCandidates(Obstacles& obstacles) const;
+  [[nodiscard]] double heightOf(const BeamChoice& choice) const;
+  void doubtLowContacts();
   Contact contactOf(int beam, const BeamChoice& choice) const;
   /// How far the floor of a beam reaches for one reference, and what its near end costs.
   struct FloorReach {
@@ -94,6 +100,7 @@ class SweepDetector : public Detector {
   CylindricalRectification rectification_;
   NoiseModel noise_;
   MotionRefinement refinement_;
+  SwayCorrection sway_;
   FloorCost floor_cost_;
   SpecularCost specular_;
   VerticalSweep sweep_;
@@ -102,6 +109,7 @@ class SweepDetector : public Detector {
   ContactEdge edge_;
   StraightFoot straight_foot_;
   RememberedFoot remembered_foot_;
+  LoneContact lone_contact_;
   PlainEdge plain_edge_;
   FreeFloor free_floor_;
   ReferenceRing ring_;
@@ -111,6 +119,7 @@ class SweepDetector : public Detector {
   Image<std::int16_t> current_grey_, current_odd_;
   Image<std::uint16_t> weight_;
   std::array<Planes, VerticalSweep::max_references> planes_;
+  std::array<Image<std::uint8_t>, VerticalSweep::max_references> steady_;  ///< without their sway
   std::array<const RectifiedFrame*, VerticalSweep::max_references> references_{};
   std::array<SweepReference, VerticalSweep::max_references> views_;
   std::array<RefinedMotion, VerticalSweep::max_references> motions_;

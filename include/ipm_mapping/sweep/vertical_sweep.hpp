@@ -9,6 +9,7 @@
 #include "ipm_mapping/sweep/floor_cost.hpp"
 #include "ipm_mapping/sweep/foot_motion.hpp"
 #include "ipm_mapping/sweep/polar_grid.hpp"
+#include "ipm_mapping/sweep/score_grid.hpp"
 
 namespace ipm_mapping::sweep {
 
@@ -67,6 +68,7 @@ class VerticalSweep {
   [[nodiscard]] double sweepRow(double candidate) const { return first_row_ + candidate; }
   [[nodiscard]] double r(double candidate) const;
   [[nodiscard]] double distance(double candidate) const { return grid_.height / r(candidate); }
+  [[nodiscard]] ScoreGrid scoreGrid() const;
   /// Sweep rows that all lines of a beam see.
   [[nodiscard]] RowRange rows(int beam) const { return beam_rows_[static_cast<std::size_t>(beam)]; }
 

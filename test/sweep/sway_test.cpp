@@ -1,0 +1,65 @@
+#include "ipm_mapping/sweep/sway.hpp"
+
+#include <gtest/gtest.h>
+
+#include "sweep/sweep_fixture.hpp"
+
+namespace ipm_mapping::sweep {
+namespace {
+
+/// The same place seen twice, level and swayed.
+class SwayTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    grid = makePolarGrid(scene.camera, scene.T_base_camera, test::smallParameters().grid, 2.0);
+    rectification.configure(scene.camera, scene.T_base_camera, grid);
+    correction.configure(grid, rectification.ranges());
+  }
+  Image<std::uint8_t> rectified(const Sway& sway) {
+    Image<std::uint8_t> image(grid.rows, grid.lines);
+    const Image<std::uint8_t> raw = scene.render(SE2{}, sway);
+    rectification.rectify(raw.view(), image.view());
+    return image;
+  }
+  /// Root mean square of the grey levels' difference where both are in view.
+  double difference(const Image<std::uint8_t>& a, const Image<std::uint8_t>& b) const {
+    double sum = 0.0;
+    int n = 0;
+    for (int line = margin; line < grid.lines - margin; ++line) {
+      const RowRange rows =
+          intersection(rectification.rows(line - 4), rectification.rows(line + 4));
+      for (int row = rows.begin + margin; row < rows.end - margin; ++row, ++n)
+        sum += std::pow(a.at(row, line) - b.at(row, line), 2);
+    }
+    return std::sqrt(sum / n);
+  }
+  static constexpr int margin = 12;
+  test::GrainedScene scene{test::smallCamera(), test::smallCameraPose()};
+  PolarGrid grid;
+  CylindricalRectification rectification;
+  SwayCorrection correction;
+};
+
+TEST_F(SwayTest, RemovedItIsGone) {
+  const Image<std::uint8_t> level = rectified({});
+  Image<std::uint8_t> removed(grid.rows, grid.lines);
+  for (const Sway sway : {Sway{0.005, 0.0}, Sway{-0.005, 0.0}, Sway{0.0, 0.006}, Sway{0.0, -0.006},
+                          Sway{0.004, -0.004}}) {
+    const Image<std::uint8_t> swayed = rectified(sway);
+    correction.remove(sway, swayed, removed);
+    EXPECT_LT(difference(removed, level), 0.35 * difference(swayed, level))
+        << sway.pitch << ' ' << sway.roll;
+  }
+}
+
+TEST_F(SwayTest, NoneChangesNothing) {
+  const Image<std::uint8_t> level = rectified({});
+  Image<std::uint8_t> same(grid.rows, grid.lines);
+  correction.remove({}, level, same);
+  for (int line = 0; line < grid.lines; ++line)
+    for (int row = 0; row < grid.rows; ++row)
+      ASSERT_EQ(same.at(row, line), level.at(row, line)) << row << ' ' << line;
+}
+
+}  // namespace
+}  // namespace ipm_mapping::sweep
