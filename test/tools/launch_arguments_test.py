@@ -112,9 +112,22 @@ class LaunchArguments(unittest.TestCase):
         for nodelet in ("ipm", "localization", "fpga_model", "comparator"):
             self.assertEqual(found["/camera/%s/camera/image_time_offset" % nodelet], -0.25, nodelet)
 
+    CAMERA = {"pose_from_tf": False, "x": 0.11, "y": -0.02, "z": 0.33, "pitch": 0.31}
+
+    def test_the_camera_arrives_at_the_nodelets_that_see(self):
+        given = ["%s%s:=%s" % ("" if name == "pose_from_tf" else "camera_", name, value)
+                 for name, value in self.CAMERA.items()]
+        for name, nodelets in (("chain", ["detector"]), ("compare", ["ipm", "fpga_model"])):
+            found = parameters(name, *given, "calibration:=camera.yaml")
+            for nodelet in nodelets:
+                for each, value in {**self.CAMERA, "calibration_file": "camera.yaml"}.items():
+                    self.assertEqual(found["/camera/%s/camera/%s" % (nodelet, each)], value, nodelet)
+
     def test_what_is_not_given_is_left_to_the_profile(self):
         for name in ("chain", "compare"):
-            self.assertFalse([each for each in parameters(name) if "image_time_offset" in each])
+            self.assertFalse([each for each in parameters(name)
+                              if re.search("/camera/(image_time_offset|calibration_file|%s)$"
+                                           % "|".join(self.CAMERA), each)])
 
     def test_roslaunch_lists_them_all(self):
         for path in launch_files():
