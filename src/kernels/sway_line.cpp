@@ -52,8 +52,8 @@ void sway(ImageView<const std::uint8_t> image, int line, const SwayShift& shift,
   const hn::Rebind<std::uint8_t, Ints> bytes;
   const int lanes = static_cast<int>(hn::Lanes(d));
   const Vf first_row = hn::Set(d, static_cast<float>(begin));
-  const Vf last_row = hn::Set(d, static_cast<float>(end) - 1.01F);
-  const Vf last_line = hn::Set(d, static_cast<float>(image.height) - 1.01F);
+  const Vf last_row = hn::Set(d, static_cast<float>(end - 1));
+  const Vf last_line = hn::Set(d, static_cast<float>(image.height - 1));
   const Vf along = hn::Set(d, shift.along), across = hn::Set(d, shift.across);
   for (int row = begin; row < end; row += lanes) {
     const Vf here = hn::Iota(d, static_cast<float>(row));
@@ -62,7 +62,8 @@ void sway(ImageView<const std::uint8_t> image, int line, const SwayShift& shift,
         hn::Add(hn::Set(d, static_cast<float>(line)), hn::Mul(across, hn::LoadU(d, shift.r + row)));
     const Vf r = hn::Min(hn::Max(to, first_row), last_row);
     const Vf l = hn::Min(hn::Max(beside, hn::Zero(d)), last_line);
-    const auto ir = hn::ConvertTo(di, r), il = hn::ConvertTo(di, l);
+    const auto ir = hn::Min(hn::ConvertTo(di, r), hn::Set(di, end - 2));
+    const auto il = hn::Min(hn::ConvertTo(di, l), hn::Set(di, image.height - 2));
     const Vf a = hn::Sub(r, hn::ConvertTo(d, ir)), b = hn::Sub(l, hn::ConvertTo(d, il));
     const Neighbours n = neighbours(d, image, ir, il);
     const Vf near = hn::Add(n.p0, hn::Mul(a, hn::Sub(n.p1, n.p0)));

@@ -109,10 +109,13 @@ void FreeFloor::remember(const SE2& T_floor_base, const Obstacles& obstacles) {
   }
 }
 
-void FreeFloor::limit(const SE2& T_floor_base, Obstacles& obstacles) {
+void FreeFloor::limit(Obstacles& obstacles) const {
   fillSlits(obstacles.bearings);
   besideContacts(obstacles);
   betweenContacts(obstacles);
+}
+
+void FreeFloor::limitBelowTheView(const SE2& T_floor_base, Obstacles& obstacles) {
   if (parameters_.near_memory <= 0.0) return;
   belowTheView(T_floor_base, obstacles);
   remember(T_floor_base, obstacles);

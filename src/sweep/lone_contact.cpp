@@ -14,11 +14,10 @@ constexpr double same_candidates = 2.0;  // two per cent of its distance
 }  // namespace
 
 void LoneContact::configure(const VerticalSweep& sweep, const SelectionParameters& parameters) {
-  lone_frames_ = parameters.lone_frames;
+  lone_frames_ = std::min(parameters.lone_frames, parameters.lone_of);
   grid_ = sweep.scoreGrid();
   frames_.resize(static_cast<std::size_t>(std::max(1, parameters.lone_of - 1)));
   for (Points& frame : frames_) frame.reserve(static_cast<std::size_t>(sweep.beams()));
-  next_ = 0;
   reset();
 }
 

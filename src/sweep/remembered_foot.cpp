@@ -57,7 +57,7 @@ void RememberedFoot::remember(const ComparedFrame& frame, const SE2& T_floor_foo
     const int support = static_cast<int>(frame.sweep.sweepRow(choice.candidate)) - choice.top;
     known_.push_back({T_floor_foot * grid_.point(b, double{choice.candidate}),
                       stamp,
-                      !(choice.by_edge || choice.doubtful) || knownAt(b, choice),
+                      !choice.doubtful && (!choice.by_edge || knownAt(b, choice)),
                       {contrast, choice.score, support}});
   }
 }

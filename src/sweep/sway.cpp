@@ -16,7 +16,7 @@ void SwayCorrection::configure(const PolarGrid& grid, const std::vector<RowRange
   grid_ = grid;
   const std::vector<RowRange> shared = commonRows(rows, 2 * beside + 1);
   rows_.assign(rows.size(), {});
-  for (std::size_t i = 0; i + 2 * beside < shared.size(); ++i) rows_[i + beside] = shared[i];
+  for (std::size_t i = 0; i < shared.size(); ++i) rows_[i + beside] = shared[i];
   cos_.clear();
   sin_.clear();
   for (int line = 0; line < grid.lines; ++line) {
@@ -33,6 +33,12 @@ void SwayCorrection::configure(const PolarGrid& grid, const std::vector<RowRange
   }
 }
 
+/// A shift across lines stays within those whose rows are known to be in view.
+float SwayCorrection::across(float lines, float r_most) {
+  const float most = static_cast<float>(beside) / r_most;
+  return std::clamp(lines, -most, most);
+}
+
 void SwayCorrection::remove(const Sway& sway, const Image<std::uint8_t>& image,
                             Image<std::uint8_t>& out) const {
   const auto pitch = static_cast<float>(sway.pitch), roll = static_cast<float>(sway.roll);
@@ -43,7 +49,8 @@ void SwayCorrection::remove(const Sway& sway, const Image<std::uint8_t>& image,
     const RowRange moved = rows_[i].size() < 2 ? RowRange{} : rows_[i];
     const kernels::SwayShift shift{stretch_.data(), r_.data(),
                                    -rows_per_log * (pitch * cos_[i] - roll * sin_[i]),
-                                   lines_per_radian * (pitch * sin_[i] + roll * cos_[i])};
+                                   across(lines_per_radian * (pitch * sin_[i] + roll * cos_[i]),
+                                          r_[static_cast<std::size_t>(grid_.rows - 1)])};
     kernels::swayLine(image.view(), line, shift, moved.begin, moved.end, out.row(line));
     std::copy(image.row(line), image.row(line) + moved.begin, out.row(line));
     std::copy(image.row(line) + moved.end, image.row(line) + grid_.rows, out.row(line) + moved.end);

@@ -25,10 +25,14 @@ double SweepDetector::heightOf(const BeamChoice& choice) const {
   return grid_.height * std::max(0.0, 1.0 - r_top / sweep_.r(choice.candidate));
 }
 
+/// What the upper edge of the view cuts off may be higher.
 void SweepDetector::doubtLowContacts() {
-  for (BeamChoice& choice : choices_)
-    if (choice.any() && heightOf(choice) < parameters_.selection.least_height)
+  for (int beam = 0; beam < sweep_.beams(); ++beam) {
+    BeamChoice& choice = choices_[static_cast<std::size_t>(beam)];
+    if (choice.any() && choice.top > sweep_.rows(beam).begin + 1 &&
+        heightOf(choice) < parameters_.selection.least_height)
       choice.doubtful = true;
+  }
 }
 
 /// Range variance: the sharpness of the score's maximum, then what calibration may be off. With
@@ -126,7 +130,7 @@ void SweepDetector::fillObstacles(const CurrentView& current, Obstacles& obstacl
       const double d = sweep_.distance(choice.candidate);
       const int row = static_cast<int>(sweep_.sweepRow(choice.candidate));
       if (row + 1 >= sweep_.rows(beam).end) {
-        bearing.state = BearingState::Blocked;
+        bearing.state = choice.doubtful ? BearingState::Unknown : BearingState::Blocked;
         bearing.range = 0.0F;
       } else if (d <= limit) {
         bearing.state = BearingState::Occupied;
@@ -141,8 +145,9 @@ void SweepDetector::fillObstacles(const CurrentView& current, Obstacles& obstacl
                                                            sweep_, beam, double{bearing.range}));
     obstacles.bearings.push_back(bearing);
   }
-  free_floor_.limit(current_.T_floor_base, obstacles);
+  free_floor_.limit(obstacles);
   withdrawDoubtful(obstacles);
+  free_floor_.limitBelowTheView(current_.T_floor_base, obstacles);
 }
 
 /// They have kept the floor beside them from being called free; more they do not say yet.

@@ -120,6 +120,7 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
     lone_contact_.mark(T_floor_foot, choices_);
     doubtLowContacts();
     remembered_foot_.complete(compared, T_floor_foot, frame.stamp, choices_);
+    doubtLowContacts();  // of those as well
     lap("known_feet");
     fillObstacles(view, obstacles);
     lap("answer");

@@ -48,10 +48,11 @@ double expected(const Image<std::uint8_t>& image, int line, const Shift& shift, 
                 int end) {
   const auto i = static_cast<std::size_t>(row);
   const double to = std::clamp(row + static_cast<double>(shift.along * shift.stretch[i]),
-                               static_cast<double>(begin), end - 1.01);
+                               static_cast<double>(begin), end - 1.0);
   const double beside =
-      std::clamp(line + static_cast<double>(shift.across * shift.r[i]), 0.0, lines - 1.01);
-  const int ir = static_cast<int>(to), il = static_cast<int>(beside);
+      std::clamp(line + static_cast<double>(shift.across * shift.r[i]), 0.0, lines - 1.0);
+  const int ir = std::min(static_cast<int>(to), end - 2);
+  const int il = std::min(static_cast<int>(beside), lines - 2);
   const double a = to - ir, b = beside - il;
   return (1 - b) * ((1 - a) * image.at(ir, il) + a * image.at(ir + 1, il)) +
          b * ((1 - a) * image.at(ir, il + 1) + a * image.at(ir + 1, il + 1));

@@ -38,7 +38,10 @@ class Free : public ::testing::Test {
     obstacles.contacts.push_back(c);
   }
   Bearing& at(int i) { return obstacles.bearings[static_cast<std::size_t>(i)]; }
-  void limit(const SE2& pose = {}) { free_floor.limit(pose, obstacles); }
+  void limit(const SE2& pose = {}) {
+    free_floor.limit(obstacles);
+    free_floor.limitBelowTheView(pose, obstacles);
+  }
 
   FreeFloorParameters parameters;
   FreeFloor free_floor;

@@ -99,11 +99,24 @@ TEST_F(Lone, MoreFramesCanBeAskedFor) {
   EXPECT_EQ(doubtful({{12, 60.0F}}), Beams{});
 }
 
+TEST_F(Lone, NoMoreSightsAreAskedForThanThereAreFrames) {
+  parameters.lone_frames = 5;
+  parameters.lone_of = 2;
+  configure();
+  EXPECT_EQ(doubtful({{12, 60.0F}}), Beams{12});
+  EXPECT_EQ(doubtful({{12, 60.0F}}), Beams{});
+  parameters.lone_of = 1;
+  configure();
+  EXPECT_EQ(doubtful({{12, 60.0F}}), Beams{});
+}
+
 TEST_F(Lone, ResetForgetsAndOneFrameIsOff) {
   configure();
   doubtful({{12, 60.0F}});
+  doubtful({});
   lone.reset();
   EXPECT_EQ(doubtful({{12, 60.0F}}), Beams{12});
+  EXPECT_EQ(doubtful({{12, 60.0F}}), Beams{});
   parameters.lone_frames = 1;
   configure();
   EXPECT_EQ(doubtful({{12, 60.0F}}), Beams{});

@@ -129,6 +129,12 @@ class LaunchArguments(unittest.TestCase):
                               if re.search("/camera/(image_time_offset|calibration_file|%s)$"
                                            % "|".join(self.CAMERA), each)])
 
+    def test_what_an_earlier_launch_gave_is_forgotten(self):
+        for path in launch_files():
+            for node in ElementTree.parse(path).getroot().iter("node"):
+                if any("unless" in each.attrib for each in node.iter("param")):
+                    self.assertEqual(node.get("clear_params"), "true", node.get("name"))
+
     def test_roslaunch_lists_them_all(self):
         for path in launch_files():
             text = subprocess.run(["roslaunch", "--ros-args", path], check=True, timeout=60,

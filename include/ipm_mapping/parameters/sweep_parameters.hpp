@@ -83,7 +83,7 @@ struct MotionRefinementParameters {
   double sd_gain = 0.1;
   double sd_offset = 2.0;
   double correlation = 0.1;
-  int min_samples = 200;
+  int min_samples = 100;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& field) {
@@ -276,7 +276,8 @@ struct SelectionParameters {
         "lone_frames", self.lone_frames, Unit{"frames"}, Range{1, 16},
         "a contact that no other one stands beside counts when it was seen in so many of the last "
         "lone_of used frames, its own included; 1: at once");
-    field("lone_of", self.lone_of, Unit{"frames"}, Range{1, 16}, "how many frames these are");
+    field("lone_of", self.lone_of, Unit{"frames"}, Range{1, 16},
+          "how many frames these are; more than these are never asked for");
     field("least_height", self.least_height, Unit{"m"}, Range{0.0, 1.0},
           "what is seen to be lower is no obstacle: a cable, the edge of a rug; it looks half a "
           "centimetre to a centimetre higher than it is");

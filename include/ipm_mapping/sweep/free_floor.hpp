@@ -20,10 +20,12 @@ class FreeFloor {
   void configure(const FreeFloorParameters& parameters);
   void reset() { remembered_.clear(); }
 
-  /// Limits the free bearings of a frame and remembers its contacts. `T_floor_base` is the pose of
-  /// the base by the floor's own motion; ranges count from the camera's foot; `near` of each
-  /// bearing has to be set.
-  void limit(const SE2& T_floor_base, Obstacles& obstacles);
+  /// Limits the free bearings of a frame by its contacts. Ranges count from the camera's foot;
+  /// `near` of each bearing has to be set.
+  void limit(Obstacles& obstacles) const;
+  /// The same by earlier contacts that are below the view now, and remembers this frame's.
+  /// `T_floor_base` is the pose of the base by the floor's own motion.
+  void limitBelowTheView(const SE2& T_floor_base, Obstacles& obstacles);
 
  private:
   struct Remembered {

@@ -16,7 +16,7 @@ namespace ipm_mapping::sweep {
 class LoneContact {
  public:
   void configure(const VerticalSweep& sweep, const SelectionParameters& parameters);
-  void reset() { known_ = 0; }
+  void reset() { next_ = known_ = 0; }
 
   /// Marks the doubtful choices of a used frame. `T_floor_foot`: pose of the camera's foot by the
   /// floor's own motion.

@@ -28,6 +28,8 @@ class SwayCorrection {
   void remove(const Sway& sway, const Image<std::uint8_t>& image, Image<std::uint8_t>& out) const;
 
  private:
+  static float across(float lines, float r_most);
+
   PolarGrid grid_;
   std::vector<RowRange> rows_;      // that a line shares with those beside it
   std::vector<float> cos_, sin_;    // of the azimuths
