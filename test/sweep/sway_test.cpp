@@ -73,6 +73,21 @@ TEST_F(SwayTest, IsRemovedOnEveryLine) {
   EXPECT_GT(lines, grid.lines / 2);
 }
 
+/// A view without corners: only the outermost two lines have too few beside them.
+TEST_F(SwayTest, TheEndsOfTheViewAreTreatedAlike) {
+  correction.configure(
+      grid, std::vector<RowRange>(static_cast<std::size_t>(grid.lines), RowRange{0, grid.rows}));
+  Image<std::uint8_t> waves(grid.rows, grid.lines), removed(grid.rows, grid.lines);
+  for (int line = 0; line < grid.lines; ++line)
+    for (int row = 0; row < grid.rows; ++row)
+      waves.at(row, line) = static_cast<std::uint8_t>(100.0 + 80.0 * std::sin(0.3 * row));
+  correction.remove({0.005, 0.0}, waves, removed);
+  for (int line = 0; line < grid.lines; ++line)
+    EXPECT_EQ(std::equal(waves.row(line), waves.row(line) + grid.rows, removed.row(line)),
+              line < 2 || line >= grid.lines - 2)
+        << line << " of " << grid.lines;
+}
+
 TEST_F(SwayTest, NoneChangesNothing) {
   const Image<std::uint8_t> level = rectified({});
   Image<std::uint8_t> same(grid.rows, grid.lines);
