@@ -112,8 +112,8 @@ TEST_F(Lone, NoMoreSightsAreAskedForThanThereAreFrames) {
 
 TEST_F(Lone, ResetForgetsAndOneFrameIsOff) {
   configure();
-  doubtful({{12, 60.0F}});
   doubtful({});
+  doubtful({{12, 60.0F}});
   lone.reset();
   EXPECT_EQ(doubtful({{12, 60.0F}}), Beams{12});
   EXPECT_EQ(doubtful({{12, 60.0F}}), Beams{});
