@@ -47,7 +47,7 @@ SE2 moved(const SE2& base, double x, double y, double theta) {
 /// Odometry, small sway and unchanged brightness as a prior. A heading that is wrong by e since the
 /// reference has also carried the robot x e / 2 sideways; what is left is independent. Wheels slip:
 /// distance and heading have the heavy tails of a Cauchy distribution, so that odometry which
-/// contradicts the floor by far loses its say.
+/// contradicts the floor by far loses its say; so has the sway, for a robot is quiet until it nods.
 struct MotionRefinement::Prior {
   SE2 odometry;
   double sd_forward, sd_sideways, sd_turn, sd_sway, sd_gain, sd_offset;

@@ -18,7 +18,7 @@ class Remembered : public PlainWall {
   void configure() { remembered.configure(sweep, FreeFloorParameters{}, parameters); }
   /// The wall, 1.2 m away, seen by its own texture, or guessed by its edge. Its picture is that of
   /// a wall at 1.2 m.
-  void see(double stamp, bool by_edge = false) {
+  void see(double stamp, bool by_edge = false, bool doubtful = false) {
     clear();
     const Image<std::int16_t> later = grey;
     for (int line = 0; line < grid.lines; ++line)
@@ -32,6 +32,7 @@ class Remembered : public PlainWall {
       choice.candidate = static_cast<float>(candidateAt((wall + way) / std::cos(azimuth(beam))));
       choice.score = 30.0F;
       choice.by_edge = by_edge;
+      choice.doubtful = doubtful;
       choice.top = static_cast<int>(sweep.sweepRow(choice.candidate)) - 12;
     }
     complete({0.0, 0.0, 0.0}, stamp);
@@ -73,6 +74,16 @@ TEST_F(Remembered, AWallThatShowedItselfIsFoundByItsFootFromNearer) {
     ++within;
   }
   EXPECT_GT(within, 0);
+}
+
+/// However often: what stands alone or is low is not looked for by its edge.
+TEST_F(Remembered, WhatIsDoubtfulIsNotFoundAgain) {
+  configure();
+  see(10.0, false, true);
+  see(10.1, false, true);
+  EXPECT_EQ(look(10.5), 0);
+  see(10.6);
+  EXPECT_GT(look(10.7), last - first - 2);
 }
 
 TEST_F(Remembered, ItIsForgottenAfterAWhileAndAFindDoesNotRenewIt) {

@@ -43,8 +43,8 @@ struct RefinedMotion {
 ///       + |(x, y, theta) - odometry|^2 / sd^2 + |sway|^2 / sd_sway^2
 ///       + ((gain - 1) / sd_gain)^2 + (offset / sd_offset)^2.
 /// y and theta look nearly the same on the floor; wheels do not slide sideways, so that y is known
-/// once theta is, and that separates them. Distance and heading have heavy tails: wheels slip.
-/// Then gain and offset alone on the plain images.
+/// once theta is, and that separates them. Distance, heading and sway have heavy tails: wheels
+/// slip, and robots stand still or nod. Then gain and offset alone on the plain images.
 class MotionRefinement {
  public:
   void configure(const PolarGrid& grid, const std::vector<RowRange>& rows,

@@ -13,7 +13,8 @@ namespace ipm_mapping::sweep {
 /// of the last `foot_memory` seconds are carried along by the floor's motion; a beam without a
 /// contact gets one where FootEdge finds the remembered foot's edge near its place. Only contacts
 /// that a frame found by itself are remembered: what was found by memory does not feed it. What
-/// StraightFoot found has to be found there twice: one guess does not carry another.
+/// StraightFoot found has to be found there twice: one guess does not carry another. A doubtful
+/// contact carries none.
 class RememberedFoot {
  public:
   void configure(const VerticalSweep& sweep, const FreeFloorParameters& free_floor,
