@@ -1,5 +1,5 @@
-#include "ipm_mapping/kernels/floor_residual.hpp"
 #include "ipm_mapping/kernels/sweep_costs.hpp"
+#include "ipm_mapping/kernels/floor_residual.hpp"
 
 #include <gtest/gtest.h>
 
@@ -371,12 +371,21 @@ struct SupportCase {
 
 TEST(SweepCostKernels, ClimbingASupportFindsTheHighestSumOfItsRows) {
   const SupportCase data;
-  for (const auto& [begin, end] : {std::pair{0, 100}, {8, 97}, {30, 62}, {40, 43}, {90, 100}}) {
+  SupportCase hopeful;  // never over before the end
+  for (std::size_t j = 0; j < hopeful.potential.size(); ++j)
+    hopeful.potential[j] = static_cast<std::int32_t>(j << 22);
+  for (const auto& [begin, end] :
+       {std::pair{0, 100}, {8, 97}, {30, 62}, {40, 43}, {90, 100}, {50, 58}}) {
     withEverySweepTarget([&, b = begin, e = end] {
       const kernels::Climb expected = data.oneByOne(b, e);
       kernels::Climb climb;
       climb.best_row = e - 1;
       kernels::climbSupport(data.paths.data(), 2, data.terms(), b, e, b, 0, climb);
+      EXPECT_EQ(climb.best, expected.best);
+      EXPECT_EQ(climb.best_row, expected.best_row);
+      climb = {};
+      climb.best_row = e - 1;
+      kernels::climbSupport(hopeful.paths.data(), 2, hopeful.terms(), b, e, b, 0, climb);
       EXPECT_EQ(climb.best, expected.best);
       EXPECT_EQ(climb.best_row, expected.best_row);
       EXPECT_EQ(climb.sum, expected.sum);
