@@ -14,15 +14,44 @@ HWY_BEFORE_NAMESPACE();
 namespace ipm_mapping::kernels::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr std::int32_t grey_limit = 8191;
+constexpr std::int16_t grey_limit = 8191;
+
+/// (gain * byte + offset) >> 9 in 16 bits: the upper half of a product with byte << 7, and a carry
+/// of the lower halves.
+struct Brightness {
+  using D = hn::ScalableTag<std::int16_t>;
+  using Du = hn::RebindToUnsigned<D>;
+
+  Brightness(std::int32_t gain, std::int32_t offset)
+      : gain_(hn::Set(Du(), static_cast<std::uint16_t>(gain))),
+        rest_(hn::Set(Du(), static_cast<std::uint16_t>((offset & 511) << 7))),
+        whole_(hn::Set(D(), static_cast<std::int16_t>(offset >> 9))) {}
+
+  HWY_INLINE hn::Vec<D> of(hn::Vec<Du> byte_128) const {
+    const auto low = hn::Mul(byte_128, gain_);
+    const auto carries = hn::Ne(hn::SaturatedAdd(low, rest_), hn::Add(low, rest_));
+    const auto carry = hn::IfThenElseZero(carries, hn::Set(Du(), 1));
+    const auto high = hn::BitCast(D(), hn::Add(hn::MulHigh(byte_128, gain_), carry));
+    const auto grey = hn::Add(high, whole_);
+    return hn::Min(hn::Max(grey, hn::Set(D(), -grey_limit)), hn::Set(D(), grey_limit));
+  }
+
+ private:
+  hn::Vec<Du> gain_, rest_;
+  hn::Vec<D> whole_;
+};
 
 void split(const std::uint8_t* HWY_RESTRICT line, std::int32_t gain, std::int32_t offset, int count,
            std::int16_t* HWY_RESTRICT even, std::int16_t* HWY_RESTRICT odd) {
-  for (int i = 0; i < count; ++i) {
-    const std::int32_t e = (gain * line[2 * i] + offset) >> 9;
-    const std::int32_t o = (gain * line[2 * i + 1] + offset) >> 9;
-    even[i] = static_cast<std::int16_t>(std::min(std::max(e, -grey_limit), grey_limit));
-    odd[i] = static_cast<std::int16_t>(std::min(std::max(o, -grey_limit), grey_limit));
+  const Brightness::D d;
+  const Brightness::Du du;
+  const Brightness brightness(gain, offset);
+  for (int i = 0; i < count; i += static_cast<int>(hn::Lanes(d))) {
+    const auto two = hn::LoadU(du, reinterpret_cast<const std::uint16_t*>(line) + i);
+    const auto first = hn::ShiftLeft<7>(hn::And(two, hn::Set(du, 255)));
+    const auto second = hn::And(hn::ShiftRight<1>(two), hn::Set(du, 255 << 7));
+    hn::StoreU(brightness.of(first), d, even + i);
+    hn::StoreU(brightness.of(second), d, odd + i);
   }
 }
 

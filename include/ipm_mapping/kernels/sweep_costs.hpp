@@ -18,7 +18,7 @@ inline constexpr std::uint16_t no_cost = 65535;
 inline constexpr int overrun = 32;
 
 /// A line of 2 * count bytes to its even and odd rows: (gain * byte + offset) >> 9, cut to
-/// [-8191, 8191]. gain 1 is 2^14, an offset of one grey level is 2^14 too.
+/// [-8191, 8191]. gain 1 is 2^14, less than 2 is expected; an offset of one grey level is 2^14 too.
 void splitRows(const std::uint8_t* line, std::int32_t gain, std::int32_t offset, int count,
                std::int16_t* even, std::int16_t* odd);
 
