@@ -259,6 +259,7 @@ HWY_INLINE void climbBy(const EvidencePath* paths, int count, const EvidenceTerm
   }
 }
 
+/// Blocks as small as a vector fills: most supports are given up in their first block.
 void climb(const EvidencePath* paths, int count, const EvidenceTerms& terms, int begin, int end,
            int top, std::int32_t least, Climb& climb) {
   if (end - begin <= 8) return climbBy<8>(paths, count, terms, begin, end, top, least, climb);
