@@ -14,15 +14,44 @@ HWY_BEFORE_NAMESPACE();
 namespace ipm_mapping::kernels::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr std::int32_t grey_limit = 8191;
+constexpr std::int16_t grey_limit = 8191;
+
+/// (gain * byte + offset) >> 9 in 16 bits: the upper half of a product with byte << 7, and a carry
+/// of the lower halves.
+struct Brightness {
+  using D = hn::ScalableTag<std::int16_t>;
+  using Du = hn::RebindToUnsigned<D>;
+
+  Brightness(std::int32_t gain, std::int32_t offset)
+      : gain_(hn::Set(Du(), static_cast<std::uint16_t>(gain))),
+        rest_(hn::Set(Du(), static_cast<std::uint16_t>((offset & 511) << 7))),
+        whole_(hn::Set(D(), static_cast<std::int16_t>(offset >> 9))) {}
+
+  HWY_INLINE hn::Vec<D> of(hn::Vec<Du> byte_128) const {
+    const auto low = hn::Mul(byte_128, gain_);
+    const auto carries = hn::Ne(hn::SaturatedAdd(low, rest_), hn::Add(low, rest_));
+    const auto carry = hn::IfThenElseZero(carries, hn::Set(Du(), 1));
+    const auto high = hn::BitCast(D(), hn::Add(hn::MulHigh(byte_128, gain_), carry));
+    const auto grey = hn::Add(high, whole_);
+    return hn::Min(hn::Max(grey, hn::Set(D(), -grey_limit)), hn::Set(D(), grey_limit));
+  }
+
+ private:
+  hn::Vec<Du> gain_, rest_;
+  hn::Vec<D> whole_;
+};
 
 void split(const std::uint8_t* HWY_RESTRICT line, std::int32_t gain, std::int32_t offset, int count,
            std::int16_t* HWY_RESTRICT even, std::int16_t* HWY_RESTRICT odd) {
-  for (int i = 0; i < count; ++i) {
-    const std::int32_t e = (gain * line[2 * i] + offset) >> 9;
-    const std::int32_t o = (gain * line[2 * i + 1] + offset) >> 9;
-    even[i] = static_cast<std::int16_t>(std::min(std::max(e, -grey_limit), grey_limit));
-    odd[i] = static_cast<std::int16_t>(std::min(std::max(o, -grey_limit), grey_limit));
+  const Brightness::D d;
+  const Brightness::Du du;
+  const Brightness brightness(gain, offset);
+  for (int i = 0; i < count; i += static_cast<int>(hn::Lanes(d))) {
+    const auto two = hn::LoadU(du, reinterpret_cast<const std::uint16_t*>(line) + i);
+    const auto first = hn::ShiftLeft<7>(hn::And(two, hn::Set(du, 255)));
+    const auto second = hn::And(hn::ShiftRight<1>(two), hn::Set(du, 255 << 7));
+    hn::StoreU(brightness.of(first), d, even + i);
+    hn::StoreU(brightness.of(second), d, odd + i);
   }
 }
 
@@ -97,79 +126,144 @@ HWY_INLINE V blended(D d, const std::int16_t* upper, const std::int16_t* lower, 
   return hn::Add(a, hn::MulFixedPoint15(hn::Sub(hn::LoadU(d, lower), a), fraction));
 }
 
+/// Cost of a vector of rows, the first of them `at`.
 template <class D>
-HWY_INLINE void verticalRows(D d, const VerticalPath& path, int count,
-                             std::uint16_t* HWY_RESTRICT cost) {
+HWY_INLINE hn::Vec<hn::RebindToUnsigned<D>> costOf(D d, const VerticalPath& path, std::int64_t at) {
   const hn::RebindToUnsigned<D> du;
-  const int lanes = static_cast<int>(hn::Lanes(d));
   const auto row_fraction = hn::Set(d, path.row_fraction);
   const auto line_fraction = hn::Set(d, path.line_fraction);
   const auto cap = hn::Set(du, static_cast<std::uint16_t>(deviation_cap));
-  for (int i = 0; i < count; i += lanes) {
-    auto sum = hn::Zero(du);
-    auto line = blended(d, path.upper + i, path.lower + i, row_fraction);
-    for (int k = 0; k < beam_lines; ++k) {
-      const std::int64_t at = k * path.stride + i;
-      const auto next =
-          blended(d, path.upper + at + path.stride, path.lower + at + path.stride, row_fraction);
-      const auto seen = hn::Add(line, hn::MulFixedPoint15(hn::Sub(next, line), line_fraction));
-      const auto e = hn::BitCast(du, hn::Abs(hn::Sub(hn::LoadU(d, path.current + at), seen)));
-      const auto t = hn::Min(hn::MulHigh(e, hn::LoadU(du, path.weight + at)), cap);
-      sum = hn::Add(sum, hn::Mul(t, t));
-      line = next;
-    }
-    hn::StoreU(sum, du, cost + i);
+  auto sum = hn::Zero(du);
+  auto line = blended(d, path.upper + at, path.lower + at, row_fraction);
+  for (int k = 0; k < beam_lines; ++k) {
+    const auto now = hn::LoadU(d, path.current + at);
+    const auto weight = hn::LoadU(du, path.weight + at);
+    at += path.stride;
+    const auto next = blended(d, path.upper + at, path.lower + at, row_fraction);
+    const auto seen = hn::Add(line, hn::MulFixedPoint15(hn::Sub(next, line), line_fraction));
+    const auto e = hn::BitCast(du, hn::Abs(hn::Sub(now, seen)));
+    const auto t = hn::Min(hn::MulHigh(e, weight), cap);
+    sum = hn::Add(sum, hn::Mul(t, t));
+    line = next;
+  }
+  return sum;
+}
+
+void vertical(const VerticalPath& path, int count, std::uint16_t* HWY_RESTRICT cost) {
+  const hn::ScalableTag<std::int16_t> d;
+  const hn::RebindToUnsigned<decltype(d)> du;
+  for (int i = 0; i < count; i += static_cast<int>(hn::Lanes(d)))
+    hn::StoreU(costOf(d, path, i), du, cost + i);
+}
+
+/// Gains of a block of rows from row `first` on, min(floor, cap) - vertical - prior, or 0 where the
+/// floor was not seen and from row `count` of the block on. They fit 16 bits: costs end at
+/// beam_lines * deviation_cap^2, caps and priors are no higher.
+template <int kRows>
+HWY_INLINE void gainsOf(const EvidencePath& path, const EvidenceTerms& terms, int first, int count,
+                        std::int16_t* HWY_RESTRICT gains) {
+  const hn::CappedTag<std::int16_t, kRows> d;
+  const hn::RebindToUnsigned<decltype(d)> du;
+  const auto floor_cap = hn::Set(du, static_cast<std::uint16_t>(terms.floor_cap));
+  const auto prior = hn::Set(du, static_cast<std::uint16_t>(terms.prior));
+  for (int i = 0; i < kRows; i += static_cast<int>(hn::MaxLanes(d))) {
+    const auto floor = hn::LoadU(du, path.floor + first + i);
+    const auto vertical = hn::Add(costOf(d, path.vertical, first + i), prior);
+    const auto gain = hn::Sub(hn::Min(floor, floor_cap), vertical);
+    const auto seen = hn::And(hn::Ne(floor, hn::Set(du, no_cost)),
+                              hn::FirstN(du, static_cast<std::size_t>(std::max(count - i, 0))));
+    hn::StoreU(hn::BitCast(d, hn::IfThenElseZero(seen, gain)), d, gains + i);
   }
 }
 
-/// Few rows need no wide vector, and a narrow one costs less.
-void vertical(const VerticalPath& path, int count, std::uint16_t* HWY_RESTRICT cost) {
-  if (count <= 8) return verticalRows(hn::CappedTag<std::int16_t, 8>(), path, count, cost);
-  if (count <= 16) return verticalRows(hn::CappedTag<std::int16_t, 16>(), path, count, cost);
-  verticalRows(hn::ScalableTag<std::int16_t>(), path, count, cost);
+/// evidence[i] += (gain[i] * weight[i]) >> 8
+template <int kRows>
+HWY_INLINE void addWeighted(const std::int16_t* HWY_RESTRICT gain,
+                            const std::int32_t* HWY_RESTRICT weight,
+                            std::int32_t* HWY_RESTRICT evidence) {
+  const hn::CappedTag<std::int32_t, kRows> d;
+  const hn::Rebind<std::int16_t, decltype(d)> d16;
+  for (int i = 0; i < kRows; i += static_cast<int>(hn::MaxLanes(d))) {
+    const auto g = hn::PromoteTo(d, hn::LoadU(d16, gain + i));
+    const auto more = hn::ShiftRight<8>(hn::Mul(g, hn::LoadU(d, weight + i)));
+    hn::StoreU(hn::Add(hn::LoadU(d, evidence + i), more), d, evidence + i);
+  }
 }
 
-/// Evidence of rows begin ... end - 1 from all references.
+/// Evidence of rows begin ... end - 1 from all references, in the first rows of two blocks.
+template <int kRows>
 HWY_INLINE void blockEvidence(const EvidencePath* paths, int count, const EvidenceTerms& terms,
                               int begin, int end, std::int32_t* HWY_RESTRICT evidence) {
-  std::uint16_t cost[evidence_block + overrun];
-  for (int i = 0; i < whole(end - begin); ++i) evidence[i] = 0;
+  std::int16_t gains[kRows];
+  for (int i = 0; i < 2 * kRows; ++i) evidence[i] = 0;
   for (const EvidencePath* p = paths; p != paths + count; ++p) {
     const int first = std::max(begin, p->begin), rows = std::min(end, p->end) - first;
     if (rows <= 0) continue;
-    VerticalPath path = p->vertical;
-    path.current += first;
-    path.weight += first;
-    path.upper += first;
-    path.lower += first;
-    vertical(path, rows, cost);
-    evidenceRows(p->floor + first, cost, terms.weight + first, terms.floor_cap, terms.prior, rows,
-                 evidence + (first - begin));
+    gainsOf<kRows>(*p, terms, first, rows, gains);
+    addWeighted<kRows>(gains, terms.weight + first, evidence + (first - begin));
   }
 }
 
-void climb(const EvidencePath* paths, int count, const EvidenceTerms& terms, int begin, int end,
-           int top, std::int32_t least, Climb& climb) {
-  std::int32_t evidence[evidence_block + overrun];
-  for (int last = end; last > begin && !climb.over; last -= evidence_block) {
-    const int first = std::max(begin, last - evidence_block);
-    blockEvidence(paths, count, terms, first, last, evidence);
-    std::int32_t total = 0, gains = 0;
-    for (int i = 0; i < whole(last - first); ++i) {
-      total += evidence[i];
-      gains += std::max(evidence[i], 0);
+/// Sums of a block's evidence before each of its rows, what they end at and the lowest of them.
+template <int kRows>
+struct Prefixes {
+  std::int32_t before[kRows];
+  std::int32_t total = 0, lowest = 0;
+};
+
+template <int kRows>
+HWY_INLINE void sumUp(const std::int32_t* HWY_RESTRICT evidence, Prefixes<kRows>& out) {
+#if HWY_TARGET == HWY_SCALAR
+  out.total = out.lowest = 0;
+  for (int i = 0; i < kRows; ++i) {
+    out.before[i] = out.total;
+    out.lowest = std::min(out.lowest, out.total);
+    out.total += evidence[i];
+  }
+#else
+  const hn::FixedTag<std::int32_t, 4> d;
+  auto sum = hn::Zero(d), lowest = hn::Zero(d);
+  for (int i = 0; i < kRows; i += 4) {
+    const auto here = hn::LoadU(d, evidence + i);
+    auto upTo = hn::Add(here, hn::ShiftLeftLanes<1>(d, here));
+    upTo = hn::Add(hn::Add(upTo, hn::ShiftLeftLanes<2>(d, upTo)), sum);
+    const auto before = hn::Sub(upTo, here);
+    lowest = hn::Min(lowest, before);
+    hn::StoreU(before, d, out.before + i);
+    sum = hn::Broadcast<3>(upTo);
+  }
+  out.total = hn::GetLane(sum);
+  out.lowest = hn::GetLane(hn::MinOfLanes(d, lowest));
+#endif
+}
+
+template <int kRows>
+HWY_INLINE void climbBy(const EvidencePath* paths, int count, const EvidenceTerms& terms, int begin,
+                        int end, int top, std::int32_t least, Climb& climb) {
+  std::int32_t evidence[2 * kRows];
+  Prefixes<kRows> block;
+  for (int last = end; last > begin && !climb.over; last -= kRows) {
+    const int first = std::max(begin, last - kRows);
+    blockEvidence<kRows>(paths, count, terms, first, last, evidence);
+    sumUp<kRows>(evidence, block);
+    const std::int32_t most = climb.sum + block.total - block.lowest;
+    if (most > climb.best) {
+      int row = last - first - 1;
+      while (block.before[row] != block.lowest) --row;
+      climb.best = most;
+      climb.best_row = first + row;
     }
-    std::int32_t sum = climb.sum;
-    if (sum + gains > climb.best) {  // otherwise no row of the block is a new top
-      for (int i = last - first - 1; i >= 0; --i) {
-        sum += evidence[i];
-        if (sum > climb.best) climb.best = sum, climb.best_row = first + i;
-      }
-    }
-    climb.sum += total;
+    climb.sum += block.total;
     const std::int32_t reachable = climb.sum + terms.potential[first] - terms.potential[top];
     climb.over = reachable <= climb.best || std::max(climb.best, reachable) < least;
   }
+}
+
+/// Blocks as small as a vector fills: most supports are given up in their first block.
+void climb(const EvidencePath* paths, int count, const EvidenceTerms& terms, int begin, int end,
+           int top, std::int32_t least, Climb& climb) {
+  if (end - begin <= 8) return climbBy<8>(paths, count, terms, begin, end, top, least, climb);
+  climbBy<HWY_MAX_BYTES == 64 ? 32 : 16>(paths, count, terms, begin, end, top, least, climb);
 }
 
 }  // namespace ipm_mapping::kernels::HWY_NAMESPACE

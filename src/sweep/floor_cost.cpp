@@ -6,6 +6,7 @@
 #include "ipm_mapping/kernels/floor_ray.hpp"
 #include "ipm_mapping/kernels/floor_residual.hpp"
 #include "ipm_mapping/kernels/sweep_costs.hpp"
+#include "ipm_mapping/kernels/sweep_rectify.hpp"
 
 namespace ipm_mapping::sweep {
 namespace {
@@ -49,13 +50,14 @@ void FloorCost::configure(const PolarGrid& grid, const std::vector<RowRange>& re
   lines_here_.resize(static_cast<std::size_t>(node_rows_));
   row_path_.resize(static_cast<std::size_t>(node_rows_ * block));
   line_path_.resize(static_cast<std::size_t>(node_rows_ * block));
+  pairs_.resize(grid.rows, grid.lines);
+  compared_.assign(static_cast<std::size_t>(grid.lines), {});
   residual_.resize(rows, grid.lines, kernels::no_residual);
   const auto n = static_cast<std::size_t>(rows + kernels::overrun);
-  sum_.resize(n);
-  number_.resize(n);
+  sum_.resize(n + static_cast<std::size_t>(2 * half_rows_));
+  number_.resize(sum_.size());
   mean_.resize(n);
-  sum_prefix_.resize(n + static_cast<std::size_t>(2 * half_rows_ + 1));
-  number_prefix_.resize(sum_prefix_.size());
+  squares_.resize(n);
 }
 
 /// Exact reference positions of the floor on a coarse lattice of rows and lines.
@@ -84,18 +86,16 @@ void FloorCost::buildNodes(const FootMotion& motion) {
 /// Positions at the nodes of one line, between those of the two node lines beside it.
 void FloorCost::nodesOf(int line) {
   const int l = line / block, t = line % block;
-  for (int k = 0; k < node_rows_; ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    rows_here_[i] = ((block - t) * row_nodes_.at(k, l) + t * row_nodes_.at(k, l + 1)) / block;
-    lines_here_[i] = ((block - t) * line_nodes_.at(k, l) + t * line_nodes_.at(k, l + 1)) / block;
-  }
+  kernels::blendNodes(row_nodes_.row(l), row_nodes_.row(l + 1), t, node_rows_, rows_here_.data());
+  kernels::blendNodes(line_nodes_.row(l), line_nodes_.row(l + 1), t, node_rows_,
+                      lines_here_.data());
   kernels::interpolateNodes(rows_here_.data(), node_rows_ - 1, row_path_.data());
   kernels::interpolateNodes(lines_here_.data(), node_rows_ - 1, line_path_.data());
 }
 
 /// Shrinks a run of rows of a line until its ends are seen by the reference too. What a reference
 /// sees of the floor is convex, so nothing is missing in between.
-RowRange FloorCost::seenInBoth(int /*line*/, RowRange rows) const {
+RowRange FloorCost::seenInBoth(RowRange rows) const {
   const auto seen = [&](int j) {
     const auto i = static_cast<std::size_t>(j);
     const std::int32_t l = line_path_[i] >> 6, r = row_path_[i] >> 6;
@@ -110,48 +110,76 @@ RowRange FloorCost::seenInBoth(int /*line*/, RowRange rows) const {
   return rows;
 }
 
-/// Mean residual around every row of a line, from the sums over the lines beside it.
-void FloorCost::meanOf(int line) {
-  const int rows = grid_.sweepRows();
-  const int entering = line + half_lines_, leaving = line - half_lines_ - 1;
-  if (entering < grid_.lines)
-    kernels::accumulateResidual(residual_.row(entering), 1, rows, sum_.data(), number_.data());
-  if (leaving >= 0)
-    kernels::accumulateResidual(residual_.row(leaving), -1, rows, sum_.data(), number_.data());
-  kernels::prefixSums(sum_.data(), half_rows_, rows, sum_prefix_.data());
-  kernels::prefixSums(number_.data(), half_rows_, rows, number_prefix_.data());
-  kernels::windowMean(sum_prefix_.data(), number_prefix_.data(), half_rows_, rows, mean_.data());
+/// The residual of every line, and on which rows there is one.
+void FloorCost::compare(const CurrentView& current, const Photometric& photometric) {
+  for (int line = 0; line < grid_.lines; ++line) {
+    const auto i = static_cast<std::size_t>(line);
+    std::int16_t* out = residual_.row(line);
+    std::fill(out, out + grid_.sweepRows(), kernels::no_residual);
+    compared_[i] = (*current.rows)[i];
+    if (compared_[i].size() == 0) continue;
+    nodesOf(line);
+    compared_[i] = seenInBoth(compared_[i]);
+    const int begin = compared_[i].begin;
+    kernels::pathResidual(pairs_.view(), row_path_.data() + begin, line_path_.data() + begin,
+                          photometric.fixedGain(), photometric.fixedOffset(),
+                          current.grey.row(line) + begin, compared_[i].size(), out + begin);
+  }
+}
+
+/// Takes a line into the sums that means are made of, or out of them again.
+void FloorCost::accumulate(int line, int sign) {
+  if (line < 0 || line >= grid_.lines) return;
+  const RowRange rows = compared_[static_cast<std::size_t>(line)];
+  kernels::accumulateResidual(residual_.row(line) + rows.begin, sign, rows.size(),
+                              sum_.data() + half_rows_ + rows.begin,
+                              number_.data() + half_rows_ + rows.begin);
+}
+
+/// t^2 of a line's rows, with the mean residual around each of them as what may drift.
+void FloorCost::squaresOf(const CurrentView& current, int line) {
+  const RowRange rows = compared_[static_cast<std::size_t>(line)];
+  kernels::windowMean(sum_.data() + half_rows_ + rows.begin,
+                      number_.data() + half_rows_ + rows.begin, half_rows_, rows.size(),
+                      mean_.data() + rows.begin);
+  kernels::squaredFloorDeviation(residual_.row(line) + rows.begin, mean_.data() + rows.begin,
+                                 current.weight.row(line) + rows.begin, rows.size(),
+                                 squares_.data() + rows.begin);
+}
+
+/// Rows on which all lines of a beam were compared.
+RowRange FloorCost::comparedByAll(int beam) const {
+  const auto first = static_cast<std::size_t>(beam * beam_step_);
+  RowRange rows = compared_[first];
+  for (std::size_t line = first + 1; line < first + kernels::beam_lines; ++line)
+    rows = intersection(rows, compared_[line]);
+  return rows;
 }
 
 void FloorCost::evaluate(const CurrentView& current, ImageView<const std::uint8_t> reference,
                          const FootMotion& motion, const Photometric& photometric,
                          ImageView<std::uint16_t> cost) {
-  const int rows = grid_.sweepRows();
+  kernels::pairRows(reference, pairs_.view());
   buildNodes(motion);
-  for (int line = 0; line < grid_.lines; ++line) {
-    std::int16_t* out = residual_.row(line);
-    std::fill(out, out + rows, kernels::no_residual);
-    const RowRange seen_now = (*current.rows)[static_cast<std::size_t>(line)];
-    if (seen_now.size() == 0) continue;
-    nodesOf(line);
-    const RowRange both = seenInBoth(line, seen_now);
-    kernels::pathResidual(reference.data, static_cast<std::int32_t>(reference.stride),
-                          row_path_.data() + both.begin, line_path_.data() + both.begin,
-                          photometric.fixedGain(), photometric.fixedOffset(),
-                          current.grey.row(line) + both.begin, both.size(), out + both.begin);
+  compare(current, photometric);
+  std::fill(cost.data, cost.row(cost.height), kernels::no_cost);
+  for (int beam = 0; beam < cost.height; ++beam) {
+    const RowRange rows = comparedByAll(beam);
+    std::fill_n(cost.row(beam) + rows.begin, rows.size(), std::uint16_t{0});
   }
   std::fill(sum_.begin(), sum_.end(), 0);
   std::fill(number_.begin(), number_.end(), 0);
-  for (int line = 0; line < half_lines_ && line < grid_.lines; ++line)
-    kernels::accumulateResidual(residual_.row(line), 1, rows, sum_.data(), number_.data());
-  std::fill(cost.data, cost.row(cost.height), std::uint16_t{0});
+  for (int line = 0; line < half_lines_; ++line) accumulate(line, 1);
   for (int line = 0; line < grid_.lines; ++line) {
-    meanOf(line);
+    accumulate(line + half_lines_, 1);
+    accumulate(line - half_lines_ - 1, -1);
+    squaresOf(current, line);
     const int last = std::min(line / beam_step_, cost.height - 1);
     const int first = std::max(0, (line - kernels::beam_lines + beam_step_) / beam_step_);
-    for (int beam = first; beam <= last; ++beam)
-      kernels::accumulateFloorCost(residual_.row(line), mean_.data(), current.weight.row(line),
-                                   rows, cost.row(beam));
+    for (int beam = first; beam <= last; ++beam) {
+      const RowRange rows = comparedByAll(beam);
+      kernels::addSquares(squares_.data() + rows.begin, rows.size(), cost.row(beam) + rows.begin);
+    }
   }
 }
 

@@ -48,9 +48,8 @@ bool FootEdge::floorInFront(const ComparedFrame& frame, int beam, int row) const
 bool FootEdge::mayStand(const ComparedFrame& frame, int beam, int candidate) const {
   const int row = static_cast<int>(frame.sweep.sweepRow(candidate));
   if (!floorInFront(frame, beam, row)) return false;
-  frame.sweep.aimBeam(frame.references, frame.count, beam);
-  return plain_edge_.mayStand(frame.current, frame.references, frame.count, frame.sweep, beam,
-                              candidate);
+  frame.sweep.aimBeam(frame.current, frame.references, frame.count, beam);
+  return plain_edge_.mayStand(frame.references, frame.count, frame.sweep, beam, candidate);
 }
 
 BeamChoice FootEdge::find(const ComparedFrame& frame, const KnownFoot& known, int beam,

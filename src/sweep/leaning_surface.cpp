@@ -1,14 +1,12 @@
 #include "ipm_mapping/sweep/leaning_surface.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace ipm_mapping::sweep {
 namespace {
 
-constexpr std::array<double, 3> slopes{0.2, 0.35, 0.6};  // metres away per metre of height
-constexpr int raster = 3;                                // candidates
+constexpr int raster = 3;             // candidates
 constexpr float coarse_share = 0.9F;  // of the upright score: what the raster may miss of a peak
 
 }  // namespace
@@ -25,7 +23,7 @@ LeaningSurface::Foot LeaningSurface::search(const Column& column, int centre, fl
   Foot best;
   std::int16_t top = 0;
   const int last = std::min(column.sweep.candidates() - 1, centre + parameters_.lean_reach);
-  for (const double slope : slopes) {
+  for (int slope = 0; slope < static_cast<int>(VerticalSweep::lean_slopes.size()); ++slope) {
     for (int c = std::max(0, centre - raster); c <= last; c += raster) {
       const float score = column.score(c, slope, std::max(coarse_share * most, best.score), top);
       if (score > best.score) best = {c, slope, score};
@@ -41,7 +39,7 @@ void LeaningSurface::refineOne(const Column& column, SweepScores& scores, BeamCh
   if (upright > static_cast<float>(parameters_.lean_doubt) *
                     column.sweep.offered(column.references, column.count, column.beam, centre))
     return;
-  column.sweep.aimBeam(column.references, column.count, column.beam);
+  column.sweep.aimBeam(column.current, column.references, column.count, column.beam);
   const Foot foot = search(column, centre, most);
   if (foot.score <= 0.0F) return;
   const int from = std::max(0, foot.candidate - parameters_.edge_farther);

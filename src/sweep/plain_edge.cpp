@@ -20,10 +20,10 @@ void PlainEdge::configure(const VerticalSweep& sweep, const FreeFloorParameters&
   profile_.resize(static_cast<std::size_t>(last_row));
 }
 
-bool PlainEdge::mayStand(const CurrentView& current, const SweepReference* references, int count,
-                         VerticalSweep& sweep, int beam, int candidate) const {
+bool PlainEdge::mayStand(const SweepReference* references, int count, VerticalSweep& sweep,
+                         int beam, int candidate) const {
   const int row = static_cast<int>(sweep.sweepRow(candidate));
-  return sweep.evidence(current, references, count, beam, candidate,
+  return sweep.evidence(references, count, beam, candidate,
                         {row - support_rows_, row - edge_rows + 1}) >= -doubt_;
 }
 
@@ -51,9 +51,9 @@ double PlainEdge::limit(const CurrentView& current, const SweepReference* refere
     const int candidate = row - first_row;
     const double distance = sweep.distance(candidate);
     if (distance >= range) break;
-    if (!aimed) sweep.aimBeam(references, count, beam);
+    if (!aimed) sweep.aimBeam(current, references, count, beam);
     aimed = true;
-    if (mayStand(current, references, count, sweep, beam, candidate)) return distance;
+    if (mayStand(references, count, sweep, beam, candidate)) return distance;
   }
   return range;
 }

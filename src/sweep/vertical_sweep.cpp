@@ -12,6 +12,7 @@ namespace {
 constexpr double below_view = 1.25;  // candidates reach this far below the image, in r
 constexpr double half_beam = 0.5 * (kernels::beam_lines - 1);
 constexpr int leaning_block_rows = 8;
+constexpr int upright = -1;  // as a slope
 constexpr double weight_unit = 256.0;
 constexpr int peak_reach = 6;       // candidates around a step that a maximum is compared with
 constexpr float peak_share = 0.5F;  // of that maximum
@@ -79,6 +80,7 @@ void VerticalSweep::configure(const PolarGrid& grid, const std::vector<RowRange>
   for (Places& places : places_)
     for (auto* array : {&places.line, &places.shift, &places.line_fraction, &places.row_fraction})
       array->resize(inverse_distance_.size());
+  tabulateLeaning();
 }
 
 /// Most that any support ending at a row can gain (noise makes every vertical line cost something),
@@ -119,70 +121,85 @@ void VerticalSweep::place(const FootMotion& motion, int beam, Places& places) {
                           places.row_fraction.data());
 }
 
+void VerticalSweep::aimBeam(const CurrentView& current, const SweepReference* references, int count,
+                            int beam) {
+  for (std::size_t q = 0; q < static_cast<std::size_t>(std::min(count, max_references)); ++q) {
+    place(references[q].motion, beam, places_[q]);
+    paths_[q].floor = references[q].floor_cost.row(beam);
+    kernels::VerticalPath& vertical = paths_[q].vertical;
+    vertical.stride = grid_.sweepRows();
+    vertical.current = current.grey.row(firstLine(beam));
+    vertical.weight = current.weight.row(firstLine(beam));
+  }
+}
+
 /// A candidate's vertical line in one reference, on the rows of its support that are seen there.
-kernels::EvidencePath VerticalSweep::pathOf(const CurrentView& current,
-                                            const SweepReference& reference, const Places& places,
-                                            std::size_t candidate, int beam,
-                                            RowRange support) const {
-  kernels::EvidencePath path;
+void VerticalSweep::aim(const SweepReference& reference, const Places& places,
+                        std::size_t candidate, RowRange support, kernels::EvidencePath& path) {
   const std::int32_t line = places.line[candidate], shift = places.shift[candidate];
-  if (line < 0 || line >= static_cast<int>(reference_rows_.size())) return path;
+  path.begin = path.end = 0;
+  if (line < 0 || line >= static_cast<int>(reference_rows_.size())) return;
   const RowRange seen = reference_rows_[static_cast<std::size_t>(line)];
   // fine row 2 j + shift and the one after it have to be in view
-  const RowRange rows =
-      intersection(support, {(seen.begin - shift + 1) >> 1, (seen.end - shift) >> 1});
-  path.begin = rows.begin;
-  path.end = rows.end;
-  path.floor = reference.floor_cost.row(beam);
+  path.begin = std::max(support.begin, (seen.begin - shift + 1) >> 1);
+  path.end = std::min(support.end, (seen.end - shift) >> 1);
   const int half = shift >> 1;
   const bool odd = (shift & 1) != 0;
   kernels::VerticalPath& vertical = path.vertical;
-  vertical.stride = grid_.sweepRows();
-  vertical.current = current.grey.row(firstLine(beam));
-  vertical.weight = current.weight.row(firstLine(beam));
   vertical.upper = (odd ? reference.odd : reference.even).row(line) + half;
   vertical.lower = (odd ? reference.even : reference.odd).row(line) + half + (odd ? 1 : 0);
   vertical.row_fraction = static_cast<std::int16_t>(places.row_fraction[candidate]);
   vertical.line_fraction = static_cast<std::int16_t>(places.line_fraction[candidate]);
-  return path;
 }
 
 /// A candidate's line in every reference.
-void VerticalSweep::aim(const CurrentView& current, const SweepReference* references, int count,
-                        int beam, int candidate, RowRange support) {
+void VerticalSweep::aim(const SweepReference* references, int count, int candidate,
+                        RowRange support) {
   const auto c = static_cast<std::size_t>(std::clamp(candidate, 0, candidates_ - 1));
   for (std::size_t q = 0; q < static_cast<std::size_t>(count); ++q)
-    paths_[q] = pathOf(current, references[q], places_[q], c, beam, support);
+    aim(references[q], places_[q], c, support, paths_[q]);
 }
 
-/// Candidate at whose distance a surface that leans away is met on a row: with d the contact's
-/// distance and r the row's, the height is z = (h - r d) / (1 + r lean), the distance d + lean z.
-int VerticalSweep::leaningCandidate(int candidate, double lean, int row) const {
+/// How many candidates farther a surface that leans away is met on a row than at its contact: with
+/// d the contact's distance and r the row's, the height is z = (h - r d) / (1 + r lean), the
+/// distance d + lean z.
+int VerticalSweep::fartherBy(int candidate, double lean, int row) const {
   const double r_contact = candidateR(candidate);
   const double ratio = row_r_[static_cast<std::size_t>(row)] / r_contact;
   const double rise = (1.0 - ratio) / (1.0 + ratio * r_contact * lean);  // z / h
   const double farther = std::log1p(lean * rise * r_contact);            // ln of the distances
-  return candidate - static_cast<int>(
-                         std::lround(farther * grid_.rows_per_log / PolarGrid::rows_per_sweep_row));
+  return static_cast<int>(
+      std::lround(farther * grid_.rows_per_log / PolarGrid::rows_per_sweep_row));
+}
+
+void VerticalSweep::tabulateLeaning() {
+  for (std::size_t slope = 0; slope < lean_slopes.size(); ++slope) {
+    farther_[slope].resize(support_rows_ + 1, candidates_);
+    for (int c = 0; c < candidates_; ++c)
+      for (int k = 0; k <= support_rows_ && k <= first_row_ + c; ++k)
+        farther_[slope].at(k, c) =
+            static_cast<std::int16_t>(fartherBy(c, lean_slopes[slope], first_row_ + c - k));
+  }
 }
 
 /// Score of one candidate, block by block upward from the contact. It stops where even the whole
 /// gain that the floor's cost still offers above cannot raise the score: nothing is lost by that.
-float VerticalSweep::scoreOf(const CurrentView& current, const SweepReference* references,
-                             int count, int beam, int candidate, double lean, std::int32_t least,
-                             std::int16_t& top) {
+float VerticalSweep::scoreOf(const SweepReference* references, int count, int beam, int candidate,
+                             int slope, std::int32_t least, std::int16_t& top) {
   const int contact = first_row_ + candidate;
   const RowRange support = intersection(rows(beam), {contact - support_rows_, contact + 1});
   if (support.size() < 2) return 0.0F;
   const kernels::EvidenceTerms terms{row_weight_.data(), potential_.data(), floor_cap_, prior_};
-  const int step = lean > 0.0 ? leaning_block_rows : support.size();
+  const bool leans = slope != upright;
+  const int step = leans ? leaning_block_rows : support.size();
   kernels::Climb climb;
   climb.best_row = support.end - 1;
   for (int end = support.end; end > support.begin && !climb.over; end -= step) {
     const RowRange part{std::max(support.begin, end - step), end};
-    aim(current, references, count, beam,
-        lean > 0.0 ? leaningCandidate(candidate, lean, (part.begin + end) / 2) : candidate,
-        support);
+    const int farther = leans ? farther_[static_cast<std::size_t>(slope)].at(
+                                    contact - (part.begin + end) / 2, candidate)
+                              : 0;
+    aim(references, count, candidate - farther, support);
     kernels::climbSupport(paths_.data(), count, terms, part.begin, part.end, support.begin, least,
                           climb);
   }
@@ -198,26 +215,20 @@ float VerticalSweep::offered(const SweepReference* references, int count, int be
          static_cast<float>(kernels::cost_unit * count);
 }
 
-void VerticalSweep::aimBeam(const SweepReference* references, int count, int beam) {
-  for (int q = 0; q < std::min(count, max_references); ++q)
-    place(references[q].motion, beam, places_[static_cast<std::size_t>(q)]);
-}
-
-float VerticalSweep::leaningScore(const CurrentView& current, const SweepReference* references,
-                                  int count, int beam, int candidate, double lean,
-                                  float least_score, std::int16_t& top) {
+float VerticalSweep::leaningScore(const SweepReference* references, int count, int beam,
+                                  int candidate, int slope, float least_score, std::int16_t& top) {
   count = std::min(count, max_references);
   const auto least =
       static_cast<std::int32_t>(least_score * static_cast<float>(kernels::cost_unit * count));
   if (bound_[static_cast<std::size_t>(first_row_ + candidate)] < least) return 0.0F;
-  return scoreOf(current, references, count, beam, candidate, lean, least, top);
+  return scoreOf(references, count, beam, candidate, slope, least, top);
 }
 
-float VerticalSweep::evidence(const CurrentView& current, const SweepReference* references,
-                              int count, int beam, int candidate, RowRange part) {
+float VerticalSweep::evidence(const SweepReference* references, int count, int beam, int candidate,
+                              RowRange part) {
   count = std::min(count, max_references);
   const RowRange support = intersection(rows(beam), part);
-  aim(current, references, count, beam, candidate, support);
+  aim(references, count, candidate, support);
   std::fill_n(gain_.begin(), support.size() + kernels::overrun, 0);
   int compared = 0;
   for (std::size_t q = 0; q < static_cast<std::size_t>(count); ++q) {
@@ -246,15 +257,14 @@ float VerticalSweep::evidence(const CurrentView& current, const SweepReference* 
 /// evaluated candidates only the neighbourhood of a maximum is evaluated too, the rest lies on a
 /// straight line. A candidate that cannot come near the best of those in front of it is not
 /// followed.
-void VerticalSweep::evaluateBeam(const CurrentView& current, const SweepReference* references,
-                                 int count, int beam, std::int32_t least, float* score,
-                                 std::int16_t* top) {
+void VerticalSweep::evaluateBeam(const SweepReference* references, int count, int beam,
+                                 std::int32_t least, float* score, std::int16_t* top) {
   const float unit = rival_share_ * static_cast<float>(kernels::cost_unit * count);
   float best = 0.0F;
   const auto exact = [&](int c) {
     const std::int32_t needed = std::max(least, static_cast<std::int32_t>(unit * best));
     if (bound_[static_cast<std::size_t>(first_row_ + c)] < needed) return;
-    score[c] = scoreOf(current, references, count, beam, c, 0.0, needed, top[c]);
+    score[c] = scoreOf(references, count, beam, c, upright, needed, top[c]);
     best = std::max(best, score[c]);
   };
   const int last = (candidates_ - 1) / search_step_ * search_step_;
@@ -293,9 +303,8 @@ void VerticalSweep::evaluate(const CurrentView& current, const SweepReference* r
     std::fill(score, score + candidates_, 0.0F);
     std::fill(top, top + candidates_, static_cast<std::int16_t>(grid_.sweepRows()));
     if (bound(references, count, beam) < least) continue;
-    for (int q = 0; q < count; ++q)
-      place(references[q].motion, beam, places_[static_cast<std::size_t>(q)]);
-    evaluateBeam(current, references, count, beam, least, score, top);
+    aimBeam(current, references, count, beam);
+    evaluateBeam(references, count, beam, least, score, top);
   }
 }
 

@@ -1,5 +1,6 @@
-#include "ipm_mapping/kernels/floor_residual.hpp"
 #include "ipm_mapping/kernels/sweep_costs.hpp"
+#include "ipm_mapping/kernels/floor_residual.hpp"
+#include "ipm_mapping/kernels/sweep_rectify.hpp"
 
 #include <gtest/gtest.h>
 
@@ -37,7 +38,8 @@ int squaredDeviation(int difference, int weight) {
 TEST(SweepCostKernels, SplittingAppliesGainAndOffsetToBothParities) {
   const auto line = randomValues<std::uint8_t>(300, 0, 255, 1);
   for (const int count : counts) {
-    for (const auto& [gain, offset] : {std::pair{16384, 0}, {20000, -900000}, {24000, 900000}}) {
+    for (const auto& [gain, offset] :
+         {std::pair{16384, 0}, {8192, 511}, {20000, -900001}, {24000, 900257}}) {
       withEverySweepTarget([&, n = count, g = gain, o = offset] {
         std::vector<std::int16_t> even(200), odd(200);
         kernels::splitRows(line.data(), g, o, n, even.data(), odd.data());
@@ -54,8 +56,9 @@ TEST(SweepCostKernels, SplittingAppliesGainAndOffsetToBothParities) {
 }
 
 TEST(SweepCostKernels, AGainOfOneKeepsGreyLevelsInTheirUnit) {
-  const std::vector<std::uint8_t> line{0, 1, 128, 255};
-  std::vector<std::int16_t> even(8), odd(8);
+  std::vector<std::uint8_t> line{0, 1, 128, 255};
+  line.resize(line.size() + 2 * kernels::overrun);
+  std::vector<std::int16_t> even(2 + kernels::overrun), odd(even.size());
   kernels::splitRows(line.data(), 16384, 0, 2, even.data(), odd.data());
   EXPECT_EQ(even[1], 128 * kernels::grey_unit);
   EXPECT_EQ(odd[1], 255 * kernels::grey_unit);
@@ -92,24 +95,42 @@ TEST(SweepCostKernels, NoiseWeightIsTheInverseStandardDeviation) {
   }
 }
 
+/// An image of noise, lines of `rows` pixels, and what a path through it reads.
+struct PathCase {
+  static constexpr int rows = 120, lines = 30, count = 128;
+  Image<std::uint8_t> image{rows, lines};
+  Image<std::uint16_t> pairs{rows, lines};
+  std::vector<std::int32_t> row = randomValues<std::int32_t>(count, 0, (rows - 2) * 64, 6);
+  std::vector<std::int32_t> line = randomValues<std::int32_t>(count, 0, (lines - 2) * 64, 7);
+  std::vector<std::int16_t> current = randomValues<std::int16_t>(count, 0, 8160, 8);
+
+  PathCase() {
+    const auto bytes = randomValues<std::uint8_t>(rows * lines, 0, 255, 5);
+    std::copy(bytes.begin(), bytes.end(), image.row(0));
+    kernels::pairRows(image.view(), pairs.view());
+  }
+  [[nodiscard]] std::vector<std::int16_t> residual(int gain, int offset, int n) const {
+    std::vector<std::int16_t> out(count);
+    kernels::pathResidual(pairs.view(), row.data(), line.data(), gain, offset, current.data(), n,
+                          out.data());
+    return out;
+  }
+};
+
 TEST(SweepCostKernels, PathResidualIsCurrentMinusBrightenedBilinearSample) {
-  const int rows = 120, lines = 30;
-  const auto image = randomValues<std::uint8_t>(rows * lines + 64, 0, 255, 5);
-  const auto row = randomValues<std::int32_t>(128, 0, (rows - 2) * 64, 6);
-  const auto line = randomValues<std::int32_t>(128, 0, (lines - 2) * 64, 7);
-  const auto current = randomValues<std::int16_t>(128, 0, 8160, 8);
+  const PathCase data;
   const int gain = 17000, offset = -30000;
   for (const int count : counts) {
     withEverySweepTarget([&, n = count] {
-      std::vector<std::int16_t> residual(128);
-      kernels::pathResidual(image.data(), rows, row.data(), line.data(), gain, offset,
-                            current.data(), n, residual.data());
+      const std::vector<std::int16_t> residual = data.residual(gain, offset, n);
       for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
-        const double a = (row[i] % 64) / 64.0, b = (line[i] % 64) / 64.0;
-        const std::uint8_t* p = image.data() + line[i] / 64 * rows + row[i] / 64;
+        const int row = data.row[i] / 64, line = data.line[i] / 64;
+        const double a = (data.row[i] % 64) / 64.0, b = (data.line[i] % 64) / 64.0;
+        const std::uint8_t *p = data.image.row(line) + row, *q = data.image.row(line + 1) + row;
         const double sample =
-            (1 - b) * ((1 - a) * p[0] + a * p[1]) + b * ((1 - a) * p[rows] + a * p[rows + 1]);
-        const double expected = current[i] - 32.0 * (gain / 16384.0 * sample + offset / 16384.0);
+            (1 - b) * ((1 - a) * p[0] + a * p[1]) + b * ((1 - a) * q[0] + a * q[1]);
+        const double expected =
+            data.current[i] - 32.0 * (gain / 16384.0 * sample + offset / 16384.0);
         ASSERT_NEAR(residual[i], expected, 2.1) << i;  // two roundings down, one of them amplified
       }
     });
@@ -117,63 +138,39 @@ TEST(SweepCostKernels, PathResidualIsCurrentMinusBrightenedBilinearSample) {
 }
 
 TEST(SweepCostKernels, PathResidualIsTheSameOnEveryTarget) {
-  const int rows = 90;
-  const auto image = randomValues<std::uint8_t>(90 * 20 + 64, 0, 255, 9);
-  const auto row = randomValues<std::int32_t>(112, 0, 88 * 64, 10);
-  const auto line = randomValues<std::int32_t>(112, 0, 18 * 64, 11);
-  const auto current = randomValues<std::int16_t>(112, 0, 8160, 12);
+  const PathCase data;
   std::vector<std::int16_t> first;
   withEverySweepTarget([&] {
-    std::vector<std::int16_t> residual(112);
-    kernels::pathResidual(image.data(), rows, row.data(), line.data(), 15000, 2000, current.data(),
-                          112, residual.data());
+    const std::vector<std::int16_t> residual = data.residual(15000, 2000, 112);
     if (first.empty()) first = residual;
     EXPECT_EQ(residual, first);
   });
 }
 
-TEST(SweepCostKernels, PrefixesAreSumsOfTheRowsBefore) {
-  const auto values = randomValues<std::int32_t>(112, -90000, 90000, 27);
-  const int half = 5;
-  for (const int count : counts) {
-    withEverySweepTarget([&, n = count] {
-      std::vector<std::int32_t> prefix(140, 7);
-      kernels::prefixSums(values.data(), half, n, prefix.data());
-      std::int32_t sum = 0;
-      for (int k = 0; k < n + 2 * half + 1; ++k) {
-        ASSERT_EQ(prefix[static_cast<std::size_t>(k)], sum) << k;
-        const int row = k - half;
-        if (row >= 0 && row < n) sum += values[static_cast<std::size_t>(row)];
-      }
-      EXPECT_EQ(prefix[static_cast<std::size_t>(n + 2 * half + 1)], 7);
-    });
-  }
-}
-
-TEST(SweepCostKernels, WindowMeanLeavesOutMissingResiduals) {
-  const int count = 40, half = 3;
-  auto residual = randomValues<std::int16_t>(count, -900, 900, 13);
-  for (const std::size_t gone : {0U, 7U, 8U, 9U, 10U, 11U, 12U, 13U, 14U, 39U})
-    residual[gone] = kernels::no_residual;
+TEST(SweepCostKernels, MeanOfAWindowIsThatOfTheResidualsInIt) {
+  const int rows = 40, half = 3;
+  const auto lines = randomValues<std::int16_t>(3 * rows, -900, 900, 13);
+  // a line that is taken away again, and two that are there on different rows
+  const int begin[] = {0, 2, 5}, end[] = {40, 20, 33};
   withEverySweepTarget([&] {
-    std::vector<std::int32_t> sum(count), number(count);
-    std::vector<std::int32_t> sums(count + 2 * half + 1), numbers(sums.size());
-    kernels::accumulateResidual(residual.data(), 1, count, sum.data(), number.data());
-    kernels::accumulateResidual(residual.data(), 1, count, sum.data(), number.data());
-    kernels::accumulateResidual(residual.data(), -1, count, sum.data(), number.data());
-    kernels::prefixSums(sum.data(), half, count, sums.data());
-    kernels::prefixSums(number.data(), half, count, numbers.data());
-    std::vector<std::int16_t> mean(count);
-    kernels::windowMean(sums.data(), numbers.data(), half, count, mean.data());
-    for (int i = 0; i < count; ++i) {
+    std::vector<std::int32_t> sum(rows + 2 * half + kernels::overrun), number(sum.size());
+    const auto accumulate = [&](int line, int sign) {
+      kernels::accumulateResidual(lines.data() + line * rows + begin[line], sign,
+                                  end[line] - begin[line], sum.data() + half + begin[line],
+                                  number.data() + half + begin[line]);
+    };
+    for (const int line : {0, 1, 2}) accumulate(line, 1);
+    accumulate(0, -1);
+    std::vector<std::int16_t> mean(rows + kernels::overrun);
+    kernels::windowMean(sum.data() + half, number.data() + half, half, rows, mean.data());
+    for (int i = 0; i < rows; ++i) {
       double total = 0.0;
       int there = 0;
-      for (int k = std::max(0, i - half); k <= std::min(count - 1, i + half); ++k) {
-        if (residual[static_cast<std::size_t>(k)] == kernels::no_residual) continue;
-        total += residual[static_cast<std::size_t>(k)];
-        ++there;
-      }
-      ASSERT_NEAR(mean[static_cast<std::size_t>(i)], there ? total / there : 0.0, 1.0) << i;
+      for (const int line : {1, 2})
+        for (int k = std::max(begin[line], i - half); k < std::min(end[line], i + half + 1); ++k)
+          total += lines[static_cast<std::size_t>(line * rows + k)], ++there;
+      const double expected = there == 0 ? 0.0 : total / there;
+      ASSERT_NEAR(mean[static_cast<std::size_t>(i)], expected, 1.0) << i;
     }
   });
 }
@@ -184,26 +181,19 @@ TEST(SweepCostKernels, FloorCostTakesTheKinderOfPlainAndDriftingResidual) {
   const auto weight = randomValues<std::uint16_t>(112, 0, 60000, 16);
   for (const int count : counts) {
     withEverySweepTarget([&, n = count] {
-      std::vector<std::uint16_t> squares(128, 100);
-      kernels::accumulateFloorCost(residual.data(), mean.data(), weight.data(), n, squares.data());
+      std::vector<std::uint16_t> squares(128, 100), cost(128, 100);
+      kernels::squaredFloorDeviation(residual.data(), mean.data(), weight.data(), n,
+                                     squares.data());
+      kernels::addSquares(squares.data(), n, cost.data());
       for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
         const int e = std::min(std::abs(residual[i]), std::abs(residual[i] - mean[i]));
-        ASSERT_EQ(squares[i], 100 + squaredDeviation(e, weight[i])) << i;
+        ASSERT_EQ(squares[i], squaredDeviation(e, weight[i])) << i;
+        ASSERT_EQ(cost[i], 100 + squares[i]) << i;
       }
       EXPECT_EQ(squares[static_cast<std::size_t>(n)], 100);
+      EXPECT_EQ(cost[static_cast<std::size_t>(n)], 100);
     });
   }
-}
-
-TEST(SweepCostKernels, OneMissingLineTakesTheCostAwayForGood) {
-  std::vector<std::int16_t> residual{100, kernels::no_residual, 100}, zero(3);
-  const std::vector<std::uint16_t> weight(3, 30000);
-  std::vector<std::uint16_t> squares(3);
-  kernels::accumulateFloorCost(residual.data(), zero.data(), weight.data(), 3, squares.data());
-  residual[1] = 50;
-  kernels::accumulateFloorCost(residual.data(), zero.data(), weight.data(), 3, squares.data());
-  EXPECT_EQ(squares[1], kernels::no_cost);
-  EXPECT_EQ(squares[0], 2 * squaredDeviation(100, 30000));
 }
 
 TEST(SweepCostKernels, LoweringNeverRaisesAndNeverInvents) {
@@ -244,6 +234,21 @@ TEST(SweepCostKernels, BlockSumsAddEightBytes) {
       ASSERT_EQ(sums[b], expected);
     }
   });
+}
+
+TEST(SweepCostKernels, NodesBetweenTwoLinesAreBlends) {
+  const auto a = randomValues<std::int32_t>(112, -400000, 400000, 27);
+  const auto b = randomValues<std::int32_t>(112, -400000, 400000, 28);
+  for (const int count : counts) {
+    withEverySweepTarget([&, n = count] {
+      std::vector<std::int32_t> out(112, 7);
+      kernels::blendNodes(a.data(), b.data(), 3, n, out.data());
+      for (std::size_t i = 0; i < out.size(); ++i) {
+        const bool inside = i < static_cast<std::size_t>(n);
+        ASSERT_EQ(out[i], inside ? static_cast<int>((5.0 * a[i] + 3.0 * b[i]) / 8.0) : 7) << i;
+      }
+    });
+  }
 }
 
 TEST(SweepCostKernels, NodesAreJoinedByStraightLines) {
@@ -371,12 +376,21 @@ struct SupportCase {
 
 TEST(SweepCostKernels, ClimbingASupportFindsTheHighestSumOfItsRows) {
   const SupportCase data;
-  for (const auto& [begin, end] : {std::pair{0, 100}, {8, 97}, {30, 62}, {40, 43}, {90, 100}}) {
+  SupportCase hopeful;  // never over before the end
+  for (std::size_t j = 0; j < hopeful.potential.size(); ++j)
+    hopeful.potential[j] = static_cast<std::int32_t>(j << 22);
+  for (const auto& [begin, end] :
+       {std::pair{0, 100}, {8, 97}, {30, 62}, {40, 43}, {90, 100}, {50, 58}}) {
     withEverySweepTarget([&, b = begin, e = end] {
       const kernels::Climb expected = data.oneByOne(b, e);
       kernels::Climb climb;
       climb.best_row = e - 1;
       kernels::climbSupport(data.paths.data(), 2, data.terms(), b, e, b, 0, climb);
+      EXPECT_EQ(climb.best, expected.best);
+      EXPECT_EQ(climb.best_row, expected.best_row);
+      climb = {};
+      climb.best_row = e - 1;
+      kernels::climbSupport(hopeful.paths.data(), 2, hopeful.terms(), b, e, b, 0, climb);
       EXPECT_EQ(climb.best, expected.best);
       EXPECT_EQ(climb.best_row, expected.best_row);
       EXPECT_EQ(climb.sum, expected.sum);

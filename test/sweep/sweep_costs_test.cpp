@@ -103,6 +103,42 @@ TEST_F(Costs, ResidualIsTheFloorWarpedPointByPoint) {
   EXPECT_GT(compared, 500);
 }
 
+/// Mean residual around a pixel, of those that are there.
+int meanAround(const PolarGrid& grid, ImageView<const std::int16_t> residual,
+               const EvidenceParameters& p, int row, int line) {
+  const auto half_lines = static_cast<int>(std::lround(p.drift_width / 2 * grid.lines_per_radian));
+  const auto half_rows = static_cast<int>(std::lround(p.drift_length / 4 * grid.rows_per_log));
+  int sum = 0, number = 0;
+  for (int l = std::max(0, line - half_lines); l <= std::min(grid.lines - 1, line + half_lines);
+       ++l)
+    for (int j = std::max(0, row - half_rows); j <= std::min(grid.sweepRows() - 1, row + half_rows);
+         ++j)
+      if (residual.at(j, l) != kernels::no_residual) sum += residual.at(j, l), ++number;
+  return static_cast<int>(static_cast<float>(sum) / static_cast<float>(std::max(number, 1)));
+}
+
+TEST_F(Costs, FloorCostIsTheSumOverTheLinesOfABeamOrNone) {
+  const ImageView<const std::int16_t> residual = floor_cost.residual();
+  int compared = 0, missing = 0;
+  for (int beam = 0; beam < sweep.beams(); beam += 5) {
+    for (int j = 0; j < grid.sweepRows(); j += 3) {
+      int expected = 0;
+      for (int line = sweep.firstLine(beam); line < sweep.firstLine(beam) + 8; ++line) {
+        const int e = residual.at(j, line);
+        if (e == kernels::no_residual) expected = kernels::no_cost;
+        if (expected == kernels::no_cost) break;
+        const int rest = e - meanAround(grid, residual, p.evidence, j, line);
+        const int t = std::min(std::abs(e), std::abs(rest)) * weight.at(j, line) >> 16;
+        expected += std::min(t, kernels::deviation_cap) * std::min(t, kernels::deviation_cap);
+      }
+      ASSERT_EQ(cost.at(j, beam), expected) << beam << ' ' << j;
+      ++(expected == kernels::no_cost ? missing : compared);
+    }
+  }
+  EXPECT_GT(compared, 200);
+  EXPECT_GT(missing, 200);
+}
+
 TEST_F(Costs, FloorIsCheapAndTheBoxIsNot) {
   double on_floor = 0, on_box = 0;
   int floor_rows = 0, box_rows = 0;

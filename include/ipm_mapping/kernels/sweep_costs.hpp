@@ -16,10 +16,9 @@ inline constexpr std::int16_t no_residual = -32768;
 inline constexpr std::uint16_t no_cost = 65535;
 /// Kernels read and write up to this many elements past `count`.
 inline constexpr int overrun = 32;
-inline constexpr int evidence_block = 32;  ///< rows of a block of evidence
 
 /// A line of 2 * count bytes to its even and odd rows: (gain * byte + offset) >> 9, cut to
-/// [-8191, 8191]. gain 1 is 2^14, an offset of one grey level is 2^14 too.
+/// [-8191, 8191]. gain 1 is 2^14, less than 2 is expected; an offset of one grey level is 2^14 too.
 void splitRows(const std::uint8_t* line, std::int32_t gain, std::int32_t offset, int count,
                std::int16_t* even, std::int16_t* odd);
 
@@ -91,9 +90,9 @@ struct Climb {
   int best_row = 0;       ///< where
   bool over = false;      ///< the rest cannot raise `best`, or cannot raise it to `least`
 };
-/// Follows a support up the rows end - 1 ... begin, evidence_block rows at a time, by
-/// verticalCost() and accumulateEvidence() of every reference. The support ends at row `top`, at
-/// `begin` or above it.
+/// Follows a support up the rows end - 1 ... begin, a vector of rows at a time, by verticalCost()
+/// and accumulateEvidence() of every reference. The support ends at row `top`, at `begin` or above
+/// it.
 void climbSupport(const EvidencePath* paths, int count, const EvidenceTerms& terms, int begin,
                   int end, int top, std::int32_t least, Climb& climb);
 

@@ -48,8 +48,11 @@ class FloorCost {
  private:
   void buildNodes(const FootMotion& motion);
   void nodesOf(int line);
-  RowRange seenInBoth(int line, RowRange rows) const;
-  void meanOf(int line);
+  [[nodiscard]] RowRange seenInBoth(RowRange rows) const;
+  void compare(const CurrentView& current, const Photometric& photometric);
+  void accumulate(int line, int sign);
+  void squaresOf(const CurrentView& current, int line);
+  [[nodiscard]] RowRange comparedByAll(int beam) const;
 
   PolarGrid grid_;
   std::vector<RowRange> reference_rows_;
@@ -58,9 +61,12 @@ class FloorCost {
   Image<std::int32_t> row_nodes_, line_nodes_;  // reference position of every 8th row and line
   std::vector<float> inverse_distance_, line_position_, row_position_;  // of a line of nodes
   std::vector<std::int32_t> rows_here_, lines_here_, row_path_, line_path_;
+  Image<std::uint16_t> pairs_;      // of the reference
+  std::vector<RowRange> compared_;  // rows of every line that both views see
   Image<std::int16_t> residual_;
-  std::vector<std::int32_t> sum_, number_, sum_prefix_, number_prefix_;
-  std::vector<std::int16_t> mean_;
+  std::vector<std::int32_t> sum_, number_;  // over the lines of a window, half_rows_ of margin
+  std::vector<std::int16_t> mean_;          // of a line
+  std::vector<std::uint16_t> squares_;
 };
 
 }  // namespace ipm_mapping::sweep

@@ -27,13 +27,13 @@ class LeaningSurface {
     VerticalSweep& sweep;
     int beam;
 
-    float score(int candidate, double slope, float least, std::int16_t& top) const {
-      return sweep.leaningScore(current, references, count, beam, candidate, slope, least, top);
+    float score(int candidate, int slope, float least, std::int16_t& top) const {
+      return sweep.leaningScore(references, count, beam, candidate, slope, least, top);
     }
   };
   struct Foot {
     int candidate = 0;
-    double slope = 0.0;
+    int slope = 0;
     float score = 0.0F;
   };
   [[nodiscard]] Foot search(const Column& column, int centre, float most) const;

@@ -21,8 +21,8 @@ class PlainEdge {
 
   /// May something stand at a candidate that is an edge of the image? No where the floor's texture
   /// goes on behind it, or too little can be compared. Needs VerticalSweep::aimBeam().
-  bool mayStand(const CurrentView& current, const SweepReference* references, int count,
-                VerticalSweep& sweep, int beam, int candidate) const;
+  bool mayStand(const SweepReference* references, int count, VerticalSweep& sweep, int beam,
+                int candidate) const;
 
   /// Distance, in metres from the camera's foot, of the nearest edge of a beam behind which
   /// something may stand; `range` where there is none in front of it.

@@ -35,6 +35,8 @@ struct SweepScores {
 class VerticalSweep {
  public:
   static constexpr int max_references = 2;
+  /// Of surfaces that lean away from the camera, metres away per metre of height.
+  static constexpr std::array<double, 3> lean_slopes{0.2, 0.35, 0.6};
 
   void configure(const PolarGrid& grid, const std::vector<RowRange>& reference_rows,
                  const std::vector<RowRange>& current_rows, double max_support,
@@ -46,18 +48,19 @@ class VerticalSweep {
 
   /// Most that any surface standing at a candidate could score: all that the floor's cost offers.
   float offered(const SweepReference* references, int count, int beam, int candidate);
-  /// Prepares leaningScore() for the candidates of one beam, of which offered() was asked last.
-  void aimBeam(const SweepReference* references, int count, int beam);
-  /// Score of a surface that stands on the floor at a candidate and leans away from the camera by
-  /// `lean` metres per metre of height; less than `least_score` may be given as 0.
-  float leaningScore(const CurrentView& current, const SweepReference* references, int count,
-                     int beam, int candidate, double lean, float least_score, std::int16_t& top);
+  /// Prepares leaningScore() and evidence() for the candidates of one beam.
+  void aimBeam(const CurrentView& current, const SweepReference* references, int count, int beam);
+  /// Score of a surface that stands on the floor at a candidate of the aimed beam, of which
+  /// offered() was asked last, and leans away by lean_slopes[slope]; less than `least_score` may be
+  /// given as 0.
+  float leaningScore(const SweepReference* references, int count, int beam, int candidate,
+                     int slope, float least_score, std::int16_t& top);
 
-  /// Evidence for an upright surface at a candidate, summed over a part of the sweep rows whatever
-  /// its sign: negative where the floor's own texture goes on there. The lowest number where less
-  /// than half of the rows can be compared. Needs aimBeam().
-  float evidence(const CurrentView& current, const SweepReference* references, int count, int beam,
-                 int candidate, RowRange part);
+  /// Evidence for an upright surface at a candidate of the aimed beam, summed over a part of the
+  /// sweep rows whatever its sign: negative where the floor's own texture goes on there. The lowest
+  /// number where less than half of the rows can be compared.
+  float evidence(const SweepReference* references, int count, int beam, int candidate,
+                 RowRange part);
 
   [[nodiscard]] int beams() const { return beams_; }
   [[nodiscard]] int candidates() const { return candidates_; }
@@ -80,19 +83,18 @@ class VerticalSweep {
   };
   std::int32_t bound(const SweepReference* references, int count, int beam);
   void place(const FootMotion& motion, int beam, Places& places);
-  kernels::EvidencePath pathOf(const CurrentView& current, const SweepReference& reference,
-                               const Places& places, std::size_t candidate, int beam,
-                               RowRange support) const;
-  void aim(const CurrentView& current, const SweepReference* references, int count, int beam,
-           int candidate, RowRange support);
+  void aim(const SweepReference& reference, const Places& places, std::size_t candidate,
+           RowRange support, kernels::EvidencePath& path);
+  void aim(const SweepReference* references, int count, int candidate, RowRange support);
   [[nodiscard]] double candidateR(int candidate) const {
     return row_r_[static_cast<std::size_t>(first_row_ + candidate)];
   }
-  [[nodiscard]] int leaningCandidate(int candidate, double lean, int row) const;
-  float scoreOf(const CurrentView& current, const SweepReference* references, int count, int beam,
-                int candidate, double lean, std::int32_t least, std::int16_t& top);
-  void evaluateBeam(const CurrentView& current, const SweepReference* references, int count,
-                    int beam, std::int32_t least, float* score, std::int16_t* top);
+  [[nodiscard]] int fartherBy(int candidate, double lean, int row) const;
+  void tabulateLeaning();
+  float scoreOf(const SweepReference* references, int count, int beam, int candidate, int slope,
+                std::int32_t least, std::int16_t& top);
+  void evaluateBeam(const SweepReference* references, int count, int beam, std::int32_t least,
+                    float* score, std::int16_t* top);
 
   PolarGrid grid_;
   int beam_step_ = 1, search_step_ = 1, beams_ = 0, candidates_ = 0, first_row_ = 0,
@@ -110,6 +112,8 @@ class VerticalSweep {
   std::vector<std::uint16_t> vertical_cost_;
   std::vector<float> inverse_distance_;              // of every candidate, 1/m
   std::vector<float> line_position_, row_position_;  // of the candidates of a beam
+  /// fartherBy() of every slope: rows above the contact x candidates.
+  std::array<Image<std::int16_t>, lean_slopes.size()> farther_;
   std::array<Places, max_references> places_;
   std::array<kernels::EvidencePath, max_references> paths_;
 };
