@@ -30,8 +30,7 @@ void SweepDetector::setCamera(const CameraModel& camera, const CameraPose& T_bas
   camera_ = camera;
   T_base_stated_ = T_base_camera;
   calibration_.setCamera(T_base_camera);
-  configure(T_base_camera);
-  calibration_.configure(grid_, rectification_.ranges(), CalibrationVector::Zero());
+  rectifyWith(CalibrationVector::Zero());
   reset();
 }
 

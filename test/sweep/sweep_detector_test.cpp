@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
+#include <algorithm>
+#include <memory>
 #include <set>
 #include <string>
 
@@ -118,6 +120,40 @@ TEST(SweepDetector, WhatIsTooLowIsNoObstacleAndNoFreeFloorEither) {
                   BearingState::Free);
     }
   }
+}
+
+/// A low block, seen from 0.8 m to half a metre; what a detector with the same parameters knows of
+/// it where the view begins behind its place.
+class BelowTheView : public ::testing::Test {
+ protected:
+  void see(const SweepParameters& parameters) {
+    before = std::make_unique<Drive>(parameters);
+    before->scene.boxes = {{1.0, 1.1, -0.4, 0.4, 0.2}};
+    ASSERT_EQ(before->along(0.2, 0.45, 5), FrameStatus::Used);
+    now = std::make_unique<Drive>(parameters);
+    now->index = before->index;
+  }
+  [[nodiscard]] int blockedAhead() const {
+    EXPECT_EQ(now->along(0.45, 0.65, 4), FrameStatus::Used);
+    EXPECT_TRUE(now->obstacles.contacts.empty());
+    const auto& bearings = now->obstacles.bearings;
+    return static_cast<int>(std::count_if(bearings.begin(), bearings.end(), [](const Bearing& b) {
+      return b.state == BearingState::Blocked && std::abs(b.angle) < 0.3F;
+    }));
+  }
+  std::unique_ptr<Drive> before, now;
+};
+
+TEST_F(BelowTheView, ADetectorWithOtherParametersRemembers) {
+  see(test::smallParameters());
+  EXPECT_EQ(blockedAhead(), 0);
+  see(test::smallParameters());
+  ASSERT_TRUE(now->detector.adopt(before->detector));
+  EXPECT_GE(blockedAhead(), 5);
+}
+
+TEST(SweepDetector, WithoutACameraThereIsNothingToTakeOver) {
+  EXPECT_FALSE(SweepDetector().adopt(SweepDetector()));
 }
 
 /// A robot that nods a third of a degree from frame to frame.

@@ -34,6 +34,8 @@ class SweepDetector : public Detector {
                          const CalibrationParameters& calibration = {});
 
   void setCamera(const CameraModel& camera, const CameraPose& T_base_camera) override;
+  /// Keeps what was learnt about the camera, applied or not, and what stands below the view.
+  bool adopt(const Detector& before) override;
   void reset() override;
   FrameStatus process(const Frame& frame, Obstacles& obstacles) override;
   [[nodiscard]] const std::vector<StageTime>& stageTimes() const override { return times_; }
@@ -60,6 +62,7 @@ class SweepDetector : public Detector {
     Image<std::uint16_t> floor_cost;
   };
 
+  void rectifyWith(const CalibrationVector& correction);
   void configure(const CameraPose& T_base_camera);
   void learnCalibration();
   void applyCalibration();
