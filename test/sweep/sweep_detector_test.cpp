@@ -152,6 +152,15 @@ TEST_F(BelowTheView, ADetectorWithOtherParametersRemembers) {
   EXPECT_GE(blockedAhead(), 5);
 }
 
+/// What is withdrawn from the answer does not come back from memory.
+TEST_F(BelowTheView, WhatIsDoubtfulIsNotRemembered) {
+  SweepParameters parameters = test::smallParameters();
+  parameters.selection.least_height = 0.4;
+  see(parameters);
+  ASSERT_TRUE(now->detector.adopt(before->detector));
+  EXPECT_EQ(blockedAhead(), 0);
+}
+
 TEST(SweepDetector, WithoutACameraThereIsNothingToTakeOver) {
   EXPECT_FALSE(SweepDetector().adopt(SweepDetector()));
 }
