@@ -95,13 +95,13 @@ void FloorCost::nodesOf(int line) {
 
 /// Shrinks a run of rows of a line until its ends are seen by the reference too. What a reference
 /// sees of the floor is convex, so nothing is missing in between.
-RowRange FloorCost::seenInBoth(int /*line*/, RowRange rows) const {
+RowRange FloorCost::seenInBoth(const std::vector<RowRange>& reference, RowRange rows) const {
   const auto seen = [&](int j) {
     const auto i = static_cast<std::size_t>(j);
     const std::int32_t l = line_path_[i] >> 6, r = row_path_[i] >> 6;
     if (line_path_[i] < 0 || l + 1 >= grid_.lines) return false;
-    const RowRange a = reference_rows_[static_cast<std::size_t>(l)];
-    const RowRange b = reference_rows_[static_cast<std::size_t>(l) + 1];
+    const RowRange a = reference[static_cast<std::size_t>(l)];
+    const RowRange b = reference[static_cast<std::size_t>(l) + 1];
     const RowRange both = intersection(a, b);
     return r >= both.begin && r + 1 < both.end;
   };
@@ -125,7 +125,8 @@ void FloorCost::meanOf(int line) {
 
 void FloorCost::evaluate(const CurrentView& current, ImageView<const std::uint8_t> reference,
                          const FootMotion& motion, const Photometric& photometric,
-                         ImageView<std::uint16_t> cost) {
+                         ImageView<std::uint16_t> cost,
+                         const std::vector<RowRange>* reference_rows) {
   const int rows = grid_.sweepRows();
   buildNodes(motion);
   for (int line = 0; line < grid_.lines; ++line) {
@@ -134,7 +135,8 @@ void FloorCost::evaluate(const CurrentView& current, ImageView<const std::uint8_
     const RowRange seen_now = (*current.rows)[static_cast<std::size_t>(line)];
     if (seen_now.size() == 0) continue;
     nodesOf(line);
-    const RowRange both = seenInBoth(line, seen_now);
+    const RowRange both =
+        seenInBoth(reference_rows != nullptr ? *reference_rows : reference_rows_, seen_now);
     kernels::pathResidual(reference.data, static_cast<std::int32_t>(reference.stride),
                           row_path_.data() + both.begin, line_path_.data() + both.begin,
                           photometric.fixedGain(), photometric.fixedOffset(),

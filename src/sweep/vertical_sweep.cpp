@@ -127,7 +127,7 @@ kernels::EvidencePath VerticalSweep::pathOf(const CurrentView& current,
   kernels::EvidencePath path;
   const std::int32_t line = places.line[candidate], shift = places.shift[candidate];
   if (line < 0 || line >= static_cast<int>(reference_rows_.size())) return path;
-  const RowRange seen = reference_rows_[static_cast<std::size_t>(line)];
+  const RowRange seen = reference.seen(static_cast<std::size_t>(line), reference_rows_);
   // fine row 2 j + shift and the one after it have to be in view
   const RowRange rows =
       intersection(support, {(seen.begin - shift + 1) >> 1, (seen.end - shift) >> 1});

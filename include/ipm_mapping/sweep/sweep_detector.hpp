@@ -62,6 +62,12 @@ class SweepDetector : public Detector {
     Image<std::uint16_t> floor_cost;
   };
 
+  /// A reference without its sway, and the rows that it sees: of lines, and common to a beam's.
+  struct Steadied {
+    Image<std::uint8_t> image;
+    std::vector<RowRange> rows, beam_rows;
+  };
+
   void rectifyWith(const CalibrationVector& correction);
   void configure(const CameraPose& T_base_camera);
   void learnCalibration();
@@ -72,7 +78,7 @@ class SweepDetector : public Detector {
   void maskFloor();
   void splitCurrent();
   void compareWithReferences();
-  [[nodiscard]] const Image<std::uint8_t>& steadied(std::size_t reference);
+  bool steady(std::size_t reference);
   void splitReference(const Image<std::uint8_t>& reference, const Photometric& photometric,
                       Planes& planes);
   void fillView(const Frame& frame, Obstacles& obstacles) const;
@@ -122,7 +128,7 @@ class SweepDetector : public Detector {
   Image<std::int16_t> current_grey_, current_odd_;
   Image<std::uint16_t> weight_;
   std::array<Planes, VerticalSweep::max_references> planes_;
-  std::array<Image<std::uint8_t>, VerticalSweep::max_references> steady_;  ///< without their sway
+  std::array<Steadied, VerticalSweep::max_references> steady_;
   std::array<const RectifiedFrame*, VerticalSweep::max_references> references_{};
   std::array<SweepReference, VerticalSweep::max_references> views_;
   std::array<RefinedMotion, VerticalSweep::max_references> motions_;
