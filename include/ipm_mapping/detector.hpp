@@ -49,6 +49,9 @@ class Detector {
 
   /// New calibration or camera pose: forgets the history.
   virtual void setCamera(const CameraModel& camera, const CameraPose& T_base_camera) = 0;
+  /// Goes on in the place of a detector with other parameters: with its camera, and with what it
+  /// knows of the robot. False where there is nothing to take over; then setCamera() is due.
+  virtual bool adopt(const Detector& /*before*/) { return false; }
   /// Forgets history and thresholds (clock or odometry jumped).
   virtual void reset() = 0;
   /// Fills `obstacles` when the answer is Used; leaves it empty otherwise.

@@ -61,7 +61,6 @@ class ComparisonNodelet : public StageNodelet {
   };
 
   void start() override {
-    const Parameters parameters = loadParameters(privateNode());
     own_ = loadStruct<ComparisonParameters>(privateNode());
     matcher_.emplace(static_cast<std::size_t>(own_.waiting_frames));
     monitor().expect(node().resolveName("difference"));
@@ -70,7 +69,7 @@ class ComparisonNodelet : public StageNodelet {
     difference_ = outputs_.advertiseImage(node(), "comparison/difference");
     mask_ = outputs_.advertiseImage(node(), "comparison/mask");
     contacts_ = outputs_.advertiseImage(node(), "comparison/contacts");
-    pictures_.emplace(node(), privateNode(), parameters.camera.image_time_offset);
+    pictures_.emplace(node(), privateNode());
   }
 
   template <std::size_t Index, class Message>
@@ -142,7 +141,7 @@ class ComparisonNodelet : public StageNodelet {
     comparison_.publish(message);
     showDifference(sides, *message);
     showMask(sides, *message);
-    showContacts(sides, *message);
+    showContacts(sides, std::get<Difference>(set)->image_stamp, *message);
     monitor().set("changed_mask_pixels", masks.changed);
     monitor().used(message->header.stamp);
   }
@@ -171,9 +170,9 @@ class ComparisonNodelet : public StageNodelet {
            sentence("changed ", c.mask.changed, " px, seen once ", c.mask.seen_once)}});
   }
 
-  void showContacts(const Sides& sides, const Comparison& c) const {
+  void showContacts(const Sides& sides, const ros::Time& image_stamp, const Comparison& c) const {
     GrayPicture raw;
-    if (contacts_.getNumSubscribers() == 0 || !pictures_->find(c.header.stamp, raw)) return;
+    if (contacts_.getNumSubscribers() == 0 || !pictures_->find(image_stamp, raw)) return;
     cv::Mat scene;
     cv::cvtColor(rectified(raw.view, sides.answer[0].view.camera), scene, cv::COLOR_GRAY2BGR);
     cv::Mat pictures[3] = {scene.clone(), scene.clone(), scene};

@@ -1,6 +1,7 @@
 #include <memory>
 #include <optional>
 #include <pluginlib/class_list_macros.hpp>
+#include <utility>
 
 #include "ipm_mapping/detectors/contact_memory.hpp"
 #include "ipm_mapping/detectors/pipeline.hpp"
@@ -60,12 +61,14 @@ class Detect : public StageNodelet {
     same.output = parameters_.output;
     same.memory = parameters_.memory;
     const bool same_detector = toConfig(same, liveGroups()) == toConfig(parameters_, liveGroups());
+    const std::vector<std::string> camera{"camera"};
+    const bool same_camera = toConfig(changed, camera) == toConfig(parameters_, camera);
     parameters_ = changed;
     if (same_detector) return;
-    detector_ = makeDetector(changed);
+    const std::unique_ptr<Detector> before = std::exchange(detector_, makeDetector(changed));
     memory_.clear();
     refined_odometry_->setParameters(changed);
-    source_->setParameters(changed.camera);
+    if (!same_camera || !detector_->adopt(*before)) source_->setParameters(changed.camera);
   }
 
   void setAwake(bool awake) {

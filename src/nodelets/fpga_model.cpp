@@ -89,6 +89,7 @@ class FpgaModel : public StageNodelet {
     auto message = boost::make_shared<DifferenceImage>();
     message->header = message->image.header = message->valid.header = info.header;
     message->frame = obstacles_.frame;
+    message->image_stamp = info.image_stamp;
     toMessage(obstacles_.view, info.frames, message->view);
     const GrayBuffer grey = allocateMono8(wire.width, wire.height, message->image);
     splitTagged(wire, grey, allocateMono8(wire.width, wire.height, message->valid));
@@ -102,6 +103,7 @@ class FpgaModel : public StageNodelet {
     auto message = boost::make_shared<ObstacleMask>();
     message->header = message->mask.header = info.header;
     message->frame = obstacles_.frame;
+    message->image_stamp = info.image_stamp;
     message->threshold = static_cast<std::int16_t>(obstacles_.threshold);
     message->separability = obstacles_.separability;
     toMessage(obstacles_.view, info.frames, message->view);

@@ -51,6 +51,7 @@ class Ipm : public StageNodelet {
     if (status == FrameStatus::Used) {
       message->header = message->image.header = message->valid.header = info.header;
       message->frame = frame.index;
+      message->image_stamp = info.image_stamp;
       toMessage(view, info.frames, message->view);
       const int width = frame.image.width, height = frame.image.height;
       ipm_->difference(allocateMono8(width, height, message->image),

@@ -37,7 +37,7 @@ class LocatorNodelet : public StageNodelet {
     monitor().setAsleep(true);
     obstacle_outputs_.emplace(node(), outputs_, parameters.output);
     overlay_ = outputs_.advertiseImage(node(), "overlay");
-    pictures_.emplace(node(), privateNode(), parameters.camera.image_time_offset);
+    pictures_.emplace(node(), privateNode());
     live_.emplace(privateNode(), parameters, groups_, [this](const Parameters& changed) {
       locator_ = makeLocator(changed);
       obstacle_outputs_->setParameters(changed.output);
@@ -78,7 +78,7 @@ class LocatorNodelet : public StageNodelet {
                                {input.view.base_frame, input.view.odom_frame}, id_);
     pictures_->want(overlay_.getNumSubscribers() > 0);
     GrayPicture picture;
-    if (overlay_.getNumSubscribers() > 0 && pictures_->find(input.header.stamp, picture))
+    if (overlay_.getNumSubscribers() > 0 && pictures_->find(input.image_stamp, picture))
       publishOverlay(overlay_, picture.view, obstacles_, input.header);
   }
 

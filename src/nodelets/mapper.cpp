@@ -85,8 +85,13 @@ class Mapper : public StageNodelet {
     trajectory_->clear();
     localized_->forget();
     if (!parameters_.clear_on_clock_jump) return;
-    localized_->clear();
+    clear();
     monitor().warn("the clock was set back: the map is cleared");
+  }
+
+  void clear() {
+    localized_->clear();
+    keeper_->touch();
   }
 
   bool onSave(SaveMap::Request& request, SaveMap::Response& response) {
@@ -97,7 +102,7 @@ class Mapper : public StageNodelet {
   }
 
   bool onReset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-    localized_->clear();
+    clear();
     trajectory_->clear();
     outputs_->publishAll();
     response.success = 1;

@@ -62,6 +62,7 @@ class SegmentationNodelet : public StageNodelet {
     auto message = boost::make_shared<ObstacleMask>();
     message->header = message->mask.header = input.header;
     message->frame = input.frame;
+    message->image_stamp = input.image_stamp;
     message->view = input.view;
     const auto result = segmentation_->process(
         difference, valid, allocateMono8(difference.width, difference.height, message->mask));

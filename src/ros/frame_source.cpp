@@ -149,7 +149,7 @@ void FrameSource::process(const Gate::Released& frame) {
     camera_revision_ = camera_.revision();
     handlers_.camera(camera_.model(), camera_.T_base_camera());
   }
-  FrameInfo info{message.header(), odometry_.frames()};
+  FrameInfo info{message.header(), odometry_.frames(), message.header().stamp};
   if (camera_parameters_.image_time_offset != 0.0) info.header.stamp = rosTime(frame.stamp);
   const FrameStatus status =
       handlers_.frame({frame.payload.index, frame.stamp, picture.view, frame.T_odom_base}, info);

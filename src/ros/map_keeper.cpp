@@ -15,6 +15,15 @@ std::string withoutSuffix(const std::string& name) {
   return known ? (path.parent_path() / path.stem()).string() : name;
 }
 
+/// A file holds at least one cell.
+TrinaryMap nothingKnown(double resolution) {
+  TrinaryMap map;
+  map.resolution = resolution;
+  map.width = map.height = 1;
+  map.cells = {-1};
+  return map;
+}
+
 }  // namespace
 
 MapKeeper::MapKeeper(OccupancyMap& map, const MapperParameters& parameters)
@@ -26,10 +35,15 @@ MapKeeper::~MapKeeper() {
 
 MapKeeper::Saved MapKeeper::save(const std::string& name) const {
   if (map_.geometry().empty()) return {"", "the map is empty"};
+  return write(name);
+}
+
+MapKeeper::Saved MapKeeper::write(const std::string& name) const {
   const ConfinedPath stem = confine(parameters_.directory, withoutSuffix(name));
   if (stem.error) return {"", stem.error};
   TrinaryMap map;
   map_.copyTo(map);
+  if (map_.geometry().empty()) map = nothingKnown(map.resolution);
   if (auto error = saveMap(map, stem.path)) return {"", error};
   return {stem.path + ".yaml", std::nullopt};
 }
@@ -47,7 +61,7 @@ std::optional<std::string> MapKeeper::loadInitialMap() {
 
 std::optional<std::string> MapKeeper::autosave() {
   if (!changed_) return std::nullopt;
-  const Saved saved = save(parameters_.autosave_name);
+  const Saved saved = write(parameters_.autosave_name);
   if (!saved.error) changed_ = false;
   return saved.error;
 }

@@ -2,8 +2,6 @@
 
 #include <cv_bridge/cv_bridge.h>
 
-#include <cmath>
-
 #include "ipm_mapping/view/overlay.hpp"
 
 namespace ipm_mapping {
@@ -14,10 +12,8 @@ void publishOverlay(const image_transport::Publisher& publisher, GrayView raw,
   publisher.publish(cv_bridge::CvImage(header, "bgr8", drawOverlay(raw, obstacles)).toImageMsg());
 }
 
-CameraPictures::CameraPictures(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
-                               double image_time_offset)
-    : image_time_offset_(image_time_offset),
-      images_(node, private_node, "image_raw", static_cast<int>(kept),
+CameraPictures::CameraPictures(const ros::NodeHandle& node, const ros::NodeHandle& private_node)
+    : images_(node, private_node, "image_raw", static_cast<int>(kept),
               [this](const CameraMessage& message) {
                 messages_.push_back(message);
                 if (messages_.size() > kept) messages_.pop_front();
@@ -30,11 +26,9 @@ void CameraPictures::want(bool wanted) {
   wanted ? images_.start() : images_.stop();
 }
 
-bool CameraPictures::find(const ros::Time& stamp, GrayPicture& picture) const {
-  for (const CameraMessage& message : messages_) {
-    const double late = (stamp - message.header().stamp).toSec() - image_time_offset_;
-    if (std::abs(late) < 1e-6) return !message.toGray(picture);
-  }
+bool CameraPictures::find(const ros::Time& image_stamp, GrayPicture& picture) const {
+  for (const CameraMessage& message : messages_)
+    if (message.header().stamp == image_stamp) return !message.toGray(picture);
   return false;
 }
 

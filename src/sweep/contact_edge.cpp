@@ -39,7 +39,9 @@ void ContactEdge::refineOne(const CurrentView& current, const VerticalSweep& swe
   }
   const auto end = merit_.begin() + (to - from + 1);
   const auto best = std::max_element(merit_.begin(), end);
-  choice.candidate = static_cast<float>(from + (best - merit_.begin()));
+  const int moved_to = from + static_cast<int>(best - merit_.begin());
+  choice.candidate = static_cast<float>(moved_to);
+  if (score[moved_to] > 0.0F) choice.top = scores.top.at(moved_to, beam);
   if (best == merit_.begin() || best + 1 == end) return;
   choice.curvature = best[-1] - 2.0F * best[0] + best[1];
   if (choice.curvature < -1e-3F) choice.candidate += 0.5F * (best[-1] - best[1]) / choice.curvature;

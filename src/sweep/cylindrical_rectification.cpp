@@ -26,14 +26,19 @@ std::uint32_t packedWeights(double du, double dv) {
 
 }  // namespace
 
-std::vector<RowRange> commonRows(const std::vector<RowRange>& rows, int lines) {
-  std::vector<RowRange> common;
+void commonRows(const std::vector<RowRange>& rows, int lines, std::vector<RowRange>& common) {
+  common.clear();
   for (std::size_t first = 0; first + static_cast<std::size_t>(lines) <= rows.size(); ++first) {
     RowRange all = rows[first];
     for (int k = 1; k < lines; ++k)
       all = intersection(all, rows[first + static_cast<std::size_t>(k)]);
     common.push_back(all);
   }
+}
+
+std::vector<RowRange> commonRows(const std::vector<RowRange>& rows, int lines) {
+  std::vector<RowRange> common;
+  commonRows(rows, lines, common);
   return common;
 }
 

@@ -95,13 +95,13 @@ void FloorCost::nodesOf(int line) {
 
 /// Shrinks a run of rows of a line until its ends are seen by the reference too. What a reference
 /// sees of the floor is convex, so nothing is missing in between.
-RowRange FloorCost::seenInBoth(RowRange rows) const {
+RowRange FloorCost::seenInBoth(const std::vector<RowRange>& reference, RowRange rows) const {
   const auto seen = [&](int j) {
     const auto i = static_cast<std::size_t>(j);
     const std::int32_t l = line_path_[i] >> 6, r = row_path_[i] >> 6;
     if (line_path_[i] < 0 || l + 1 >= grid_.lines) return false;
-    const RowRange a = reference_rows_[static_cast<std::size_t>(l)];
-    const RowRange b = reference_rows_[static_cast<std::size_t>(l) + 1];
+    const RowRange a = reference[static_cast<std::size_t>(l)];
+    const RowRange b = reference[static_cast<std::size_t>(l) + 1];
     const RowRange both = intersection(a, b);
     return r >= both.begin && r + 1 < both.end;
   };
@@ -111,7 +111,8 @@ RowRange FloorCost::seenInBoth(RowRange rows) const {
 }
 
 /// The residual of every line, and on which rows there is one.
-void FloorCost::compare(const CurrentView& current, const Photometric& photometric) {
+void FloorCost::compare(const CurrentView& current, const Photometric& photometric,
+                        const std::vector<RowRange>& reference_rows) {
   for (int line = 0; line < grid_.lines; ++line) {
     const auto i = static_cast<std::size_t>(line);
     std::int16_t* out = residual_.row(line);
@@ -119,7 +120,7 @@ void FloorCost::compare(const CurrentView& current, const Photometric& photometr
     compared_[i] = (*current.rows)[i];
     if (compared_[i].size() == 0) continue;
     nodesOf(line);
-    compared_[i] = seenInBoth(compared_[i]);
+    compared_[i] = seenInBoth(reference_rows, compared_[i]);
     const int begin = compared_[i].begin;
     kernels::pathResidual(pairs_.view(), row_path_.data() + begin, line_path_.data() + begin,
                           photometric.fixedGain(), photometric.fixedOffset(),
@@ -158,10 +159,11 @@ RowRange FloorCost::comparedByAll(int beam) const {
 
 void FloorCost::evaluate(const CurrentView& current, ImageView<const std::uint8_t> reference,
                          const FootMotion& motion, const Photometric& photometric,
-                         ImageView<std::uint16_t> cost) {
+                         ImageView<std::uint16_t> cost,
+                         const std::vector<RowRange>* reference_rows) {
   kernels::pairRows(reference, pairs_.view());
   buildNodes(motion);
-  compare(current, photometric);
+  compare(current, photometric, reference_rows != nullptr ? *reference_rows : reference_rows_);
   std::fill(cost.data, cost.row(cost.height), kernels::no_cost);
   for (int beam = 0; beam < cost.height; ++beam) {
     const RowRange rows = comparedByAll(beam);

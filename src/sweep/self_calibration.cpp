@@ -26,11 +26,16 @@ void SelfCalibration::setCamera(const CameraPose& T_base_camera) {
 
 void SelfCalibration::forget() {
   learnt_ = {};
-  aligned_.setZero();
-  state_.setZero();
-  covariance_ = prior_.covariance();
-  pairs_ = refused_ = 0;
-  wrong_height_ = height_in_doubt_ = false;
+  learnt_.covariance = prior_.covariance();
+}
+
+bool SelfCalibration::adopt(const SelfCalibration& other) {
+  if (T_base_camera_.matrix() != other.T_base_camera_.matrix() ||
+      prior_.information != other.prior_.information ||
+      prior_right_height_.information != other.prior_right_height_.information)
+    return false;
+  learnt_ = other.learnt_;
+  return bounded();
 }
 
 void SelfCalibration::configure(const PolarGrid& grid, const std::vector<RowRange>& rows,
@@ -43,21 +48,22 @@ void SelfCalibration::configure(const PolarGrid& grid, const std::vector<RowRang
 /// twice as long as the pair before: the first ones have to come soon.
 double SelfCalibration::baseline() const {
   const CalibrationParameters& p = parameters_;
-  const double share = std::min(p.sd_pitch / sigma(I::Pitch), std::exp2(pairs_));
+  const double share = std::min(p.sd_pitch / sigma(I::Pitch), std::exp2(learnt_.pairs));
   return stated_.height * std::clamp(p.short_baseline * share, p.short_baseline, p.long_baseline);
 }
 
 bool SelfCalibration::due(const SE2& pose) const {
   if (!seen_any_) return true;
   const CalibrationParameters& p = parameters_;
-  const double spacing = confident() && !height_in_doubt_
+  const double spacing = confident() && !learnt_.height_in_doubt
                              ? stated_.height * p.settled_spacing
                              : std::min(baseline(), stated_.height * p.spacing);
   return std::hypot(pose.x - last_pair_.x, pose.y - last_pair_.y) >= spacing;
 }
 
 CalibrationInformation SelfCalibration::known() const {
-  return {prior_.information + learnt_.information, prior_.vector + learnt_.vector};
+  return {prior_.information + learnt_.evidence.information,
+          prior_.vector + learnt_.evidence.vector};
 }
 
 bool SelfCalibration::offer(const RectifiedFrame& current, const ReferenceRing& ring) {
@@ -68,9 +74,10 @@ bool SelfCalibration::offer(const RectifiedFrame& current, const ReferenceRing& 
   last_pair_ = current.T_odom_base;
   compare({current, *reference_});
   if (evidence_.used) {
-    refused_ = 0;
+    learnt_.refused = 0;
     learn();
-  } else if (++refused_ > parameters_.least_pairs && pairs_ < parameters_.least_pairs) {
+  } else if (++learnt_.refused > parameters_.least_pairs &&
+             learnt_.pairs < parameters_.least_pairs) {
     forget();
   }
   return evidence_.used;
@@ -78,8 +85,8 @@ bool SelfCalibration::offer(const RectifiedFrame& current, const ReferenceRing& 
 
 /// The first pair of all is aligned from several starts: the views may lie pixels apart.
 void SelfCalibration::compare(const FramePair& pair) {
-  evidence_ = pair_.evaluate(pair, known(), aligned_);
-  if (pairs_ > 0) return;
+  evidence_ = pair_.evaluate(pair, known(), learnt_.aligned);
+  if (learnt_.pairs > 0) return;
   for (const double pitch : {-1.0, 0.0, 1.0}) {
     for (const double height : {-1.0, 0.0, 1.0}) {
       CalibrationVector start = CalibrationVector::Zero();
@@ -94,42 +101,45 @@ void SelfCalibration::compare(const FramePair& pair) {
 
 void SelfCalibration::learn() {
   const double kept = 1.0 - 1.0 / parameters_.memory;
-  learnt_.information = kept * learnt_.information + evidence_.about.information;
-  learnt_.vector = kept * learnt_.vector + evidence_.about.vector;
+  learnt_.evidence.information = kept * learnt_.evidence.information + evidence_.about.information;
+  learnt_.evidence.vector = kept * learnt_.evidence.vector + evidence_.about.vector;
   CalibrationInformation all = known();
-  aligned_ = all.mean();
+  learnt_.aligned = all.mean();
   judgeHeight(all);
-  if (!wrong_height_) all.information += prior_right_height_.information - prior_.information;
-  state_ = all.mean();
-  covariance_ = all.covariance();
-  ++pairs_;
+  if (!learnt_.wrong_height)
+    all.information += prior_right_height_.information - prior_.information;
+  learnt_.state = all.mean();
+  learnt_.covariance = all.covariance();
+  ++learnt_.pairs;
 }
 
 /// With some reluctance to change the mind.
 void SelfCalibration::judgeHeight(const CalibrationInformation& known) {
   const CalibrationMatrix P = known.covariance();
-  const double ratio = std::abs(aligned_[I::LogHeight] - aligned_[I::LogScale]);
+  const double ratio = std::abs(learnt_.aligned[I::LogHeight] - learnt_.aligned[I::LogScale]);
   const double variance = P(I::LogHeight, I::LogHeight) + P(I::LogScale, I::LogScale) -
                           2.0 * P(I::LogHeight, I::LogScale);
   const double sigma = std::sqrt(std::max(0.0, variance)), limit = parameters_.sd_scale + sigma;
-  wrong_height_ = ratio > (wrong_height_ ? 0.8 : 1.0) * limit;
-  height_in_doubt_ = std::abs(ratio - parameters_.sd_scale) < sigma;
+  learnt_.wrong_height = ratio > (learnt_.wrong_height ? 0.8 : 1.0) * limit;
+  learnt_.height_in_doubt = std::abs(ratio - parameters_.sd_scale) < sigma;
 }
 
 double SelfCalibration::ratioSigma() const {
-  const double variance = covariance_(I::LogHeight, I::LogHeight) +
-                          covariance_(I::LogScale, I::LogScale) -
-                          2.0 * covariance_(I::LogHeight, I::LogScale);
+  const double variance = learnt_.covariance(I::LogHeight, I::LogHeight) +
+                          learnt_.covariance(I::LogScale, I::LogScale) -
+                          2.0 * learnt_.covariance(I::LogHeight, I::LogScale);
   return std::sqrt(std::max(0.0, variance));
 }
 
 bool SelfCalibration::bounded() const {
-  const double height = stated_.height * std::expm1(state_[I::LogHeight]);
-  return state_.head<3>().cwiseAbs().maxCoeff() <= parameters_.max_tilt &&
+  const double height = stated_.height * std::expm1(learnt_.state[I::LogHeight]);
+  return learnt_.state.head<3>().cwiseAbs().maxCoeff() <= parameters_.max_tilt &&
          std::abs(height) <= parameters_.max_height;
 }
 
-bool SelfCalibration::believable() const { return pairs_ >= parameters_.least_pairs && bounded(); }
+bool SelfCalibration::believable() const {
+  return learnt_.pairs >= parameters_.least_pairs && bounded();
+}
 
 bool SelfCalibration::confident() const {
   return believable() && sigma(I::Pitch) <= parameters_.confident_tilt &&
@@ -138,8 +148,8 @@ bool SelfCalibration::confident() const {
 
 bool SelfCalibration::worthApplying() const {
   const CalibrationParameters& p = parameters_;
-  if (pairs_ == 0 || !bounded()) return false;
-  const CalibrationVector change = (state_ - rectified_with_).cwiseAbs();
+  if (learnt_.pairs == 0 || !bounded()) return false;
+  const CalibrationVector change = (learnt_.state - rectified_with_).cwiseAbs();
   const double sigmas = confident() ? 1.0 : p.early_sigmas;
   const double pitch = sigmas * sigma(I::Pitch), roll = sigmas * sigma(I::Roll);
   const double height = stated_.height * sigmas * ratioSigma();
@@ -150,18 +160,19 @@ bool SelfCalibration::worthApplying() const {
 
 CalibrationReport SelfCalibration::report() const {
   const CalibrationParameters& p = parameters_;
-  const double height = stated_.height * std::exp(state_[I::LogHeight]);
-  const double scale = std::exp(state_[I::LogScale]);
+  const double height = stated_.height * std::exp(learnt_.state[I::LogHeight]);
+  const double scale = std::exp(learnt_.state[I::LogScale]);
   CalibrationReport r;
-  r.pitch = {pitchOf(T_base_camera_), pitchOf(corrected(T_base_camera_, state_)), sigma(I::Pitch)};
-  r.roll = {0.0, state_[I::Roll], sigma(I::Roll)};
-  r.yaw = {0.0, state_[I::Yaw], sigma(I::Yaw)};
+  r.pitch = {pitchOf(T_base_camera_), pitchOf(corrected(T_base_camera_, learnt_.state)),
+             sigma(I::Pitch)};
+  r.roll = {0.0, learnt_.state[I::Roll], sigma(I::Roll)};
+  r.yaw = {0.0, learnt_.state[I::Yaw], sigma(I::Yaw)};
   r.height = {stated_.height, height, height * sigma(I::LogHeight)};
   r.scale = {1.0, scale, scale * sigma(I::LogScale)};
-  r.turn_scale = {1.0, 1.0 + state_[I::TurnScale], sigma(I::TurnScale)};
-  r.yaw_rate = {0.0, state_[I::YawRate], sigma(I::YawRate)};
+  r.turn_scale = {1.0, 1.0 + learnt_.state[I::TurnScale], sigma(I::TurnScale)};
+  r.yaw_rate = {0.0, learnt_.state[I::YawRate], sigma(I::YawRate)};
   r.ratio_sigma = ratioSigma();
-  r.pairs = pairs_;
+  r.pairs = learnt_.pairs;
   r.believable = believable();
   r.confident = confident();
   r.applied = !rectified_with_.isZero();

@@ -30,7 +30,7 @@ void SpecularCost::apply(const CurrentView& current, const VerticalSweep& sweep,
     const double line = std::floor(place);
     if (!(line >= 0.0 && line < static_cast<double>(reference_rows_.size()))) continue;
     const int first = static_cast<int>(line);
-    const RowRange seen = reference_rows_[static_cast<std::size_t>(first)];
+    const RowRange seen = reference.seen(static_cast<std::size_t>(first), reference_rows_);
     const RowRange rows =
         intersection({std::max(sweep.rows(beam).begin, first_row), sweep.rows(beam).end},
                      {(seen.begin + 1) / 2, (seen.end - 1) / 2});

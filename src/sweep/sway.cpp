@@ -39,8 +39,20 @@ float SwayCorrection::across(float lines, float r_most) {
   return std::clamp(lines, -most, most);
 }
 
+/// The rows that are fetched from rows in view.
+RowRange SwayCorrection::reached(RowRange moved, float along) const {
+  const auto from = [&](int row) {
+    return static_cast<float>(row) + along * stretch_[static_cast<std::size_t>(row)];
+  };
+  RowRange rows = moved;
+  while (rows.size() > 0 && from(rows.begin) < static_cast<float>(moved.begin)) ++rows.begin;
+  while (rows.size() > 0 && from(rows.end - 1) > static_cast<float>(moved.end - 1)) --rows.end;
+  return rows;
+}
+
 void SwayCorrection::remove(const Sway& sway, const Image<std::uint8_t>& image,
-                            Image<std::uint8_t>& out) const {
+                            Image<std::uint8_t>& out, std::vector<RowRange>& seen) const {
+  seen.resize(rows_.size());
   const auto pitch = static_cast<float>(sway.pitch), roll = static_cast<float>(sway.roll);
   const auto rows_per_log = static_cast<float>(grid_.rows_per_log);
   const auto lines_per_radian = static_cast<float>(grid_.lines_per_radian);
@@ -51,6 +63,7 @@ void SwayCorrection::remove(const Sway& sway, const Image<std::uint8_t>& image,
                                    -rows_per_log * (pitch * cos_[i] - roll * sin_[i]),
                                    across(lines_per_radian * (pitch * sin_[i] + roll * cos_[i]),
                                           r_[static_cast<std::size_t>(grid_.rows - 1)])};
+    seen[i] = reached(moved, shift.along);
     kernels::swayLine(image.view(), line, shift, moved.begin, moved.end, out.row(line));
     std::copy(image.row(line), image.row(line) + moved.begin, out.row(line));
     std::copy(image.row(line) + moved.end, image.row(line) + grid_.rows, out.row(line) + moved.end);

@@ -13,10 +13,26 @@ void SweepDetector::learnCalibration() {
 /// begins anew. What was learnt stays.
 void SweepDetector::applyCalibration() {
   if (calibration_mode_ != CalibrationMode::Apply || !calibration_.worthApplying()) return;
-  const CalibrationVector state = calibration_.state();
-  configure(corrected(T_base_stated_, state));
-  calibration_.configure(grid_, rectification_.ranges(), state);
+  rectifyWith(calibration_.state());
   ring_.clear();
+}
+
+void SweepDetector::rectifyWith(const CalibrationVector& correction) {
+  configure(corrected(T_base_stated_, correction));
+  calibration_.configure(grid_, rectification_.ranges(), correction);
+}
+
+/// What stands below the view is remembered by the floor's own motion, which therefore goes on.
+bool SweepDetector::adopt(const Detector& before) {
+  const auto* other = dynamic_cast<const SweepDetector*>(&before);
+  if (other == nullptr || other->camera_.width() == 0) return false;
+  setCamera(other->camera_, other->T_base_stated_);
+  if (calibration_.adopt(other->calibration_) && calibration_mode_ == CalibrationMode::Apply)
+    rectifyWith(other->calibration_.inForce());
+  free_floor_.adopt(other->free_floor_);
+  T_odom_last_ = other->T_odom_last_;
+  T_floor_last_ = other->T_floor_last_;
+  return true;
 }
 
 /// Odometry's motion, without what is known to be wrong with it.

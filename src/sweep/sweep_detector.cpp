@@ -30,8 +30,7 @@ void SweepDetector::setCamera(const CameraModel& camera, const CameraPose& T_bas
   camera_ = camera;
   T_base_stated_ = T_base_camera;
   calibration_.setCamera(T_base_camera);
-  configure(T_base_camera);
-  calibration_.configure(grid_, rectification_.ranges(), CalibrationVector::Zero());
+  rectifyWith(CalibrationVector::Zero());
   reset();
 }
 
@@ -69,7 +68,11 @@ void SweepDetector::configure(const CameraPose& T_base_camera) {
     planes.odd.resize(grid_.sweepRows(), grid_.lines);
     planes.floor_cost.resize(grid_.sweepRows(), sweep_.beams());
   }
-  for (auto& image : steady_) image.resize(grid_.rows, grid_.lines);
+  for (Steadied& steady : steady_) {
+    steady.image.resize(grid_.rows, grid_.lines);
+    steady.rows.reserve(rows.size());
+    steady.beam_rows.reserve(rows.size());
+  }
   choices_.reserve(static_cast<std::size_t>(sweep_.beams()));
 }
 
@@ -194,13 +197,15 @@ void SweepDetector::splitCurrent() {
   lap("noise_model");
 }
 
-/// The reference as the robot would have seen it with the attitude it has now.
-const Image<std::uint8_t>& SweepDetector::steadied(std::size_t reference) {
-  const Image<std::uint8_t>& image = references_[reference]->image;
+/// Makes the reference as the robot would have seen it with the attitude it has now; false where it
+/// is that already.
+bool SweepDetector::steady(std::size_t reference) {
   const Sway& sway = motions_[reference].sway;
-  if (sway.size() <= parameters_.refinement.least_sway) return image;
-  sway_.remove(sway, image, steady_[reference]);
-  return steady_[reference];
+  if (sway.size() <= parameters_.refinement.least_sway) return false;
+  Steadied& steady = steady_[reference];
+  sway_.remove(sway, references_[reference]->image, steady.image, steady.rows);
+  commonRows(steady.rows, kernels::beam_lines + 1, steady.beam_rows);
+  return true;
 }
 
 void SweepDetector::splitReference(const Image<std::uint8_t>& reference,
@@ -222,13 +227,15 @@ void SweepDetector::compareWithReferences() {
   lap("motion_refinement");
   for (std::size_t q = 0; q < static_cast<std::size_t>(reference_count_); ++q) {
     Planes& planes = planes_[q];
-    const Image<std::uint8_t>& reference = steadied(q);
+    const bool swayed = steady(q);
+    const Image<std::uint8_t>& reference = swayed ? steady_[q].image : references_[q]->image;
     const FootMotion motion(motions_[q].motion, foot);
     floor_cost_.evaluate({current_grey_.view(), weight_.view(), &noise_.sweepRows()},
                          reference.view(), motion, motions_[q].photometric,
-                         planes.floor_cost.view());
+                         planes.floor_cost.view(), swayed ? &steady_[q].rows : nullptr);
     splitReference(reference, motions_[q].photometric, planes);
-    views_[q] = {planes.even.view(), planes.odd.view(), planes.floor_cost.view(), motion};
+    views_[q] = {planes.even.view(), planes.odd.view(), planes.floor_cost.view(), motion,
+                 swayed ? &steady_[q].beam_rows : nullptr};
     if (parameters_.evidence.specular_prior < 9.0)
       specular_.apply({current_grey_.view(), weight_.view(), &noise_.sweepRows()}, sweep_,
                       views_[q], motions_[q].motion.theta, planes.floor_cost.view());

@@ -139,7 +139,7 @@ void VerticalSweep::aim(const SweepReference& reference, const Places& places,
   const std::int32_t line = places.line[candidate], shift = places.shift[candidate];
   path.begin = path.end = 0;
   if (line < 0 || line >= static_cast<int>(reference_rows_.size())) return;
-  const RowRange seen = reference_rows_[static_cast<std::size_t>(line)];
+  const RowRange seen = reference.seen(static_cast<std::size_t>(line), reference_rows_);
   // fine row 2 j + shift and the one after it have to be in view
   path.begin = std::max(support.begin, (seen.begin - shift + 1) >> 1);
   path.end = std::min(support.end, (seen.end - shift) >> 1);

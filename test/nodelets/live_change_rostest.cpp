@@ -3,6 +3,7 @@
 
 #include <dynamic_reconfigure/Reconfigure.h>
 #include <gtest/gtest.h>
+#include <nav_msgs/Odometry.h>
 #include <sensor_msgs/point_cloud2_iterator.h>
 
 #include <cmath>
@@ -59,6 +60,7 @@ class LiveChange : public testing::Test {
       : diagnostics_(node_),
         sweep_(node_, "sweep", "detector"),
         chain_(node_, "chain", "localization"),
+        refined_(node_, "/sweep/odom_refined"),
         topics_(node_) {}
 
   void SetUp() override {
@@ -66,7 +68,7 @@ class LiveChange : public testing::Test {
     static double shift = 0.0;
     topics_.time_shift = shift += 1000.0;
     topics_.tellTf();
-    ASSERT_TRUE(sweep_.awake() && chain_.awake());
+    ASSERT_TRUE(sweep_.awake() && chain_.awake() && waitForPublishers(refined_));
     ASSERT_TRUE(topics_.waitForListeners());
     ASSERT_TRUE(waitFor([&] { return topics_.listeners() >= 2; }));
   }
@@ -117,6 +119,7 @@ class LiveChange : public testing::Test {
   ros::NodeHandle node_;
   Diagnostics diagnostics_;
   Instance sweep_, chain_;
+  Collected<nav_msgs::Odometry> refined_;
   RobotTopics topics_;
 };
 
@@ -199,6 +202,44 @@ TEST_F(LiveChange, ADetectorWithOtherParametersStartsAgainAndLosesNothingElse) {
   }
   EXPECT_GT(with_the_new, 3);
   EXPECT_EQ(frameOf(*sweep_.obstacles.all.back()), end - 1);
+}
+
+/// Wheels that say four per cent too much: what the floor has corrected stays corrected.
+TEST_F(LiveChange, TheRefinedPoseDoesNotJump) {
+  constexpr int change_at = 14, end = 28;
+  const SyntheticRobot& robot = topics_.robot;
+  const auto byWheels = [](double t) {
+    SE2 pose = SyntheticRobot::pose(t);
+    pose.x *= 1.04;
+    return pose;
+  };
+  const auto play = [&](int from, int to) {
+    for (int i = from; i < to; ++i) {
+      topics_.sendInfo(robot.frameTime(i));
+      topics_.sendImage(robot.frameTime(i));
+      for (int k = 5 * i; k <= 5 * (i + 1); ++k) {
+        const double t = robot.odometryTime(k);
+        topics_.sendOdometry(robot.odometry(topics_.stamp(t), byWheels(t)));
+      }
+      ros::spinOnce();
+    }
+    return waitFor([&] { return refined_.size() > 0 && frameOf(refined_.last()) == to - 1; });
+  };
+  const auto errorOf = [&](const nav_msgs::Odometry& refined) {
+    return refined.pose.pose.position.x - SyntheticRobot::pose(robot.frameTime(frameOf(refined))).x;
+  };
+  ASSERT_TRUE(play(0, change_at));
+  const double before = errorOf(refined_.last());
+  EXPECT_LT(before, byWheels(robot.frameTime(change_at - 1)).x -
+                        SyntheticRobot::pose(robot.frameTime(change_at - 1)).x - 0.01)
+      << "a jump to the wheels' pose would not show";
+  Config config;
+  wish(config.doubles, "sweep/max_range", 1.75);
+  ASSERT_TRUE(change(sweep_.nodelet, config));
+  ASSERT_TRUE(play(change_at, end));
+  for (std::size_t i = 1; i < refined_.size(); ++i)
+    EXPECT_NEAR(errorOf(*refined_.all[i]), errorOf(*refined_.all[i - 1]), 0.006)
+        << "frame " << frameOf(*refined_.all[i]);
 }
 
 }  // namespace

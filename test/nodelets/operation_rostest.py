@@ -31,7 +31,11 @@ def read_map(path):
     """A saved map as the map server would publish it."""
     with open(path, encoding='ascii') as file:
         described = yaml.safe_load(file)
-    picture = numpy.asarray(PIL.Image.open(os.path.join(os.path.dirname(path), described['image'])))
+    try:
+        picture = numpy.asarray(
+            PIL.Image.open(os.path.join(os.path.dirname(path), described['image'])))
+    except FileNotFoundError:  # a save has ended meanwhile
+        return read_map(path)
     grid = OccupancyGrid()
     grid.info.height, grid.info.width = picture.shape
     grid.info.origin.position.x, grid.info.origin.position.y = described['origin'][:2]
@@ -56,7 +60,7 @@ class Operation(unittest.TestCase):
             for side in cls.obstacles]
         cls.subscribers += [
             rospy.Subscriber('/%s/map' % side, OccupancyGrid, cls.keep_map, side)
-            for side in ('left', 'right', 'restarted', 'reloaded')]
+            for side in ('left', 'right', 'restarted', 'reloaded', 'emptied', 'reopened')]
         cls.diagnostics = rospy.Subscriber('/diagnostics', DiagnosticArray, cls.keep_status)
         assert wait_for(lambda: all(s.get_num_connections() > 0 for s in cls.subscribers[:4]))
         assert wait_for(lambda: len(cls.said) >= 5)
@@ -157,6 +161,38 @@ class Operation(unittest.TestCase):
             reloaded.terminate()
             reloaded.wait()
         self.assertTrue(any(same_map(self.maps['reloaded'], each) for each in maps[certain:]))
+
+    def test_a_killed_mapper_does_not_find_again_what_was_thrown_away(self):
+        feeder = rospy.Publisher('/emptied/obstacles', ObstacleArray, queue_size=100)
+        saved = os.path.join(self.directory, 'emptied.yaml')
+        last = self.obstacles['left'][-1].header.stamp
+
+        def kept():
+            return os.path.exists(saved) and set(read_map(saved).data) != {-1}
+
+        process = self.start_mapper(
+            'emptied', 'reset_map:=/emptied/reset_map', '_directory:=' + self.directory,
+            '_autosave_name:=emptied', '_autosave_period:=0.3', '_publish_rate:=0',
+            '_full_map_period:=0')
+        try:
+            self.assertTrue(wait_for(lambda: feeder.get_num_connections() > 0
+                                     and 'emptied' in self.maps))
+            for answer in self.obstacles['left']:
+                feeder.publish(answer)
+            self.assertTrue(wait_for(lambda: self.maps['emptied'].header.stamp == last))
+            self.assertTrue(wait_for(kept))
+            self.assertTrue(rospy.ServiceProxy('/emptied/reset_map', Trigger)().success)
+            self.assertTrue(wait_for(lambda: not kept(), 5.0), 'the old map is still in the file')
+        finally:
+            process.kill()
+            process.wait()
+        reopened = self.start_mapper('reopened', '_initial_map:=' + saved)
+        try:
+            self.assertTrue(wait_for(lambda: 'reopened' in self.maps))
+            self.assertEqual(set(self.maps['reopened'].data), {-1})
+        finally:
+            reopened.terminate()
+            reopened.wait()
 
     def test_map_survives_a_restart(self):
         saved = rospy.ServiceProxy('/left/save_map', SaveMap)('kitchen')

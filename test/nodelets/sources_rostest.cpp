@@ -1,7 +1,8 @@
 // Where a frame's pose comes from: the topic or tf, at the image's stamp moved by
 // image_time_offset, however late odometry arrives behind the images. The overlay of the last
-// nodelet finds the picture to that stamp.
+// nodelet finds the picture to that stamp, also after the offset was changed live.
 
+#include <dynamic_reconfigure/Reconfigure.h>
 #include <gtest/gtest.h>
 
 #include "chain_client.hpp"
@@ -9,7 +10,7 @@
 namespace ipm_mapping {
 namespace {
 
-constexpr double offset = 0.05;  // image_time_offset in the .test file
+constexpr double launched_offset = 0.05;  // image_time_offset in the .test file
 
 class Sources : public testing::Test {
  protected:
@@ -32,9 +33,22 @@ class Sources : public testing::Test {
     ASSERT_TRUE(waitFor([&] { return diagnostics_.value("ipm", "input_rate_hz") >= 0.0; }));
   }
 
-  /// The picture of the instant t, its stamp `offset` too early.
+  void TearDown() override {
+    if (offset_ == launched_offset) return;
+    ASSERT_TRUE(changeOffset(launched_offset));
+  }
+
+  [[nodiscard]] bool changeOffset(double seconds) {
+    offset_ = seconds;
+    dynamic_reconfigure::Reconfigure change;
+    auto& wish = change.request.config.doubles.emplace_back();
+    wish.name = "camera/image_time_offset";
+    wish.value = seconds;
+    return ros::service::call("/by_topic/ipm/set_parameters", change);
+  }
+  /// The picture of the instant t, its stamp the offset too early.
   [[nodiscard]] sensor_msgs::ImagePtr imageOf(double t) const {
-    return topics_.robot.image(topics_.stamp(t) - offset, topics_.robot.pose(t));
+    return topics_.robot.image(topics_.stamp(t) - offset_, topics_.robot.pose(t));
   }
   void sendTransform(double t) {
     const SE2 pose = topics_.robot.pose(t);
@@ -52,6 +66,21 @@ class Sources : public testing::Test {
   }
   /// Images between the odometry messages, so that poses have to be interpolated.
   [[nodiscard]] double frameTime(int i) const { return topics_.robot.frameTime(i) + 0.007; }
+
+  /// Frames `from` ... `to` - 1, and odometry that reaches beyond them.
+  void play(int from, int to) {
+    for (int i = from; i < to; ++i) {
+      topics_.sendInfo(frameTime(i));
+      topics_.sendImage(imageOf(frameTime(i)));
+      for (int k = 5 * i; k < 5 * (i + 1); ++k) {
+        topics_.sendOdometry(topics_.robot.odometryTime(k));
+        sendTransform(topics_.robot.odometryTime(k));
+      }
+      waitFor([] { return false; }, 0.05);
+    }
+    topics_.sendOdometry(topics_.robot.frameTime(to));
+    sendTransform(topics_.robot.frameTime(to));
+  }
 
   /// Every answer carries the instant at which its picture was taken, and the robot's pose of then.
   void expectTruePoses(const Collected<ObstacleArray>& answers) {
@@ -71,27 +100,29 @@ class Sources : public testing::Test {
   Collected<sensor_msgs::Image> overlays_;
   ros::Publisher tf_;
   RobotTopics topics_;
+  double offset_ = launched_offset;  // between the stamps of images and the truth
 };
 
 TEST_F(Sources, PosesFromTopicAndTfAreThoseOfTheMovedStamps) {
-  const int frames = topics_.robot.frames;
-  for (int i = 0; i < frames; ++i) {
-    topics_.sendInfo(frameTime(i));
-    topics_.sendImage(imageOf(frameTime(i)));
-    for (int k = 5 * i; k < 5 * (i + 1); ++k) {
-      topics_.sendOdometry(topics_.robot.odometryTime(k));
-      sendTransform(topics_.robot.odometryTime(k));
-    }
-    waitFor([] { return false; }, 0.05);
-  }
-  topics_.sendOdometry(topics_.robot.frameTime(frames));
-  sendTransform(topics_.robot.frameTime(frames));
+  play(0, topics_.robot.frames);
   EXPECT_TRUE(waitFor([&] { return by_topic_.size() >= 10 && by_tf_.size() >= 10; }))
       << by_topic_.size() << " answers by the topic, " << by_tf_.size() << " by tf";
   expectTruePoses(by_topic_);
   expectTruePoses(by_tf_);
   EXPECT_TRUE(waitFor([&] { return overlays_.size() > 0; }, 5.0))
       << "the overlay looks for pictures whose stamps were not moved";
+}
+
+TEST_F(Sources, TheOverlayFollowsAnOffsetThatIsChangedLive) {
+  constexpr int change_at = 10;
+  play(0, change_at);
+  ASSERT_TRUE(waitFor([&] { return overlays_.size() > 0; }, 5.0));
+  ASSERT_TRUE(changeOffset(0.08));
+  play(change_at, topics_.robot.frames);
+  const double last = topics_.stamp(frameTime(topics_.robot.frames - 1));
+  EXPECT_TRUE(
+      waitFor([&] { return std::abs(overlays_.last().header.stamp.toSec() - last) < 1e-6; }, 5.0))
+      << "the last overlay is " << last - overlays_.last().header.stamp.toSec() << " s old";
 }
 
 TEST_F(Sources, FramesOutliveOdometryThatArrivesAfterAllOfThem) {

@@ -47,8 +47,10 @@ class Edge : public ::testing::Test {
     std::vector<BeamChoice> choices(static_cast<std::size_t>(sweep.beams()));
     choices[beam].candidate = centre;
     choices[beam].score = 40.0F;
+    choices[beam].top = 7;
     edge.refine({grey.view(), weight.view(), &rows}, sweep, scores, choices);
     for (std::size_t i = 0; i < choices.size(); ++i) EXPECT_EQ(choices[i].any(), i == beam);
+    top = choices[beam].top;
     return choices[beam].candidate;
   }
   VerticalSweep sweep;
@@ -57,6 +59,7 @@ class Edge : public ::testing::Test {
   Image<std::uint16_t> weight;
   SweepScores scores;
   SelectionParameters parameters;
+  int top = 0;  // of the refined contact
 };
 
 TEST_F(Edge, WithoutAnEdgeTheScoreDecides) { EXPECT_NEAR(refined(), centre, 0.01); }
@@ -67,6 +70,27 @@ TEST_F(Edge, AnEdgeOnEitherSideDrawsTheContactToItself) {
   SetUp();
   darkFrom(centre - 3, -40);
   EXPECT_NEAR(refined(), centre - 3, 0.3);
+}
+
+TEST_F(Edge, WhereTheContactMovesTheSupportEndsAsItDoesThere) {
+  for (int c = 0; c < sweep.candidates(); ++c)
+    scores.top.at(c, beam) = static_cast<std::int16_t>(10 + c);
+  darkFrom(centre + 4, 40);
+  EXPECT_NEAR(refined(), centre + 4, 0.3);
+  EXPECT_EQ(top, 10 + centre + 4);
+}
+
+/// What the sweep has not followed has no upper end.
+TEST_F(Edge, WhereThereIsNoScoreTheSupportEndsAsItDid) {
+  for (int c = 0; c < sweep.candidates(); ++c) {
+    if (std::abs(c - centre) > 2) scores.score.at(c, beam) = 0.0F;
+    scores.top.at(c, beam) = static_cast<std::int16_t>(c == centre ? 7 : 1000);
+  }
+  scores.score.at(centre, beam) = 1.0F;
+  for (int c = centre - 2; c <= centre + 2; ++c) scores.score.at(c, beam) = 1.0F;
+  darkFrom(centre + 4, 40);
+  EXPECT_NEAR(refined(), centre + 4, 0.6);
+  EXPECT_EQ(top, 7);
 }
 
 TEST_F(Edge, BeyondItsReachAnEdgeMeansNothing) {

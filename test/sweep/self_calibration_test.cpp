@@ -262,6 +262,16 @@ class CalibratedDetector : public ::testing::Test {
       T_odom_shown = frame.T_odom_base;
     }
   }
+  /// A detector with other parameters that goes on where the driven one stands.
+  [[nodiscard]] std::unique_ptr<SweepDetector> successor(CalibrationParameters p,
+                                                         CalibrationMode mode) const {
+    SweepParameters changed = test::smallParameters();
+    changed.grid.max_range = 1.5;
+    p.mode = mode;
+    auto next = std::make_unique<SweepDetector>(changed, p);
+    EXPECT_TRUE(next->adopt(*detector));
+    return next;
+  }
   /// Mean distance of the shown contacts to the box's outline, metres.
   [[nodiscard]] double error() const {
     double sum = 0.0;
@@ -305,6 +315,54 @@ TEST_F(CalibratedDetector, ANewStatedPoseForgetsWhatWasLearnt) {
   EXPECT_EQ(detector->calibration()->pairs, 0);
   EXPECT_FALSE(detector->calibration()->applied);
   EXPECT_NEAR(detector->grid().height, 0.45, 1e-9);
+}
+
+TEST_F(CalibratedDetector, OtherParametersKeepWhatWasLearntAndThePoseInForce) {
+  drive(CalibrationMode::Apply, statedPose(degree, 0.02));
+  const CalibrationReport before = *detector->calibration();
+  ASSERT_TRUE(before.applied);
+  const auto next = successor(smallCalibration(), CalibrationMode::Apply);
+  const CalibrationReport after = *next->calibration();
+  EXPECT_EQ(after.pairs, before.pairs);
+  EXPECT_EQ(after.confident, before.confident);
+  EXPECT_EQ(after.pitch.estimate, before.pitch.estimate);
+  EXPECT_EQ(after.pitch.sigma, before.pitch.sigma);
+  EXPECT_TRUE(after.applied);
+  EXPECT_EQ(next->grid().height, detector->grid().height);
+  for (std::size_t i = 0; i < 20; ++i) {
+    if (next->process(frameOf(i, honest), obstacles) != FrameStatus::Used) continue;
+    EXPECT_NEAR(pitchOf(obstacles.view.T_base_camera), 0.42, pitch_tolerance) << i;
+  }
+  EXPECT_GT(next->calibration()->pairs, before.pairs);
+}
+
+TEST_F(CalibratedDetector, WhatWasReportedIsAppliedAtTheFirstFrame) {
+  drive(CalibrationMode::Report, statedPose(degree, 0.02));
+  const auto next = successor(smallCalibration(), CalibrationMode::Apply);
+  EXPECT_FALSE(next->calibration()->applied);
+  EXPECT_EQ(next->process(frameOf(0, honest), obstacles), FrameStatus::NoReference);
+  EXPECT_TRUE(next->calibration()->applied);
+  EXPECT_NEAR(next->grid().height, 0.45, height_tolerance);
+}
+
+TEST_F(CalibratedDetector, WithOtherPriorsItBeginsAnew) {
+  drive(CalibrationMode::Apply, statedPose(degree, 0.02));
+  CalibrationParameters other = smallCalibration();
+  other.sd_pitch *= 2.0;
+  const auto next = successor(other, CalibrationMode::Apply);
+  EXPECT_EQ(next->calibration()->pairs, 0);
+  EXPECT_FALSE(next->calibration()->applied);
+  EXPECT_NEAR(next->grid().height, 0.47, 1e-9);
+}
+
+TEST_F(CalibratedDetector, WhatTheBoundsNoLongerAllowIsNotInForce) {
+  drive(CalibrationMode::Apply, statedPose(degree, 0.02));
+  CalibrationParameters tight = smallCalibration();
+  tight.max_tilt = 0.5 * degree;
+  const auto next = successor(tight, CalibrationMode::Apply);
+  EXPECT_EQ(next->calibration()->pairs, detector->calibration()->pairs);
+  EXPECT_FALSE(next->calibration()->applied);
+  EXPECT_NEAR(next->grid().height, 0.47, 1e-9);
 }
 
 TEST_F(CalibratedDetector, AResetKeepsWhatWasLearnt) {

@@ -38,6 +38,7 @@ class SwayTest : public ::testing::Test {
   PolarGrid grid;
   CylindricalRectification rectification;
   SwayCorrection correction;
+  std::vector<RowRange> seen;
 };
 
 TEST_F(SwayTest, RemovedItIsGone) {
@@ -46,7 +47,7 @@ TEST_F(SwayTest, RemovedItIsGone) {
   for (const Sway sway : {Sway{0.005, 0.0}, Sway{-0.005, 0.0}, Sway{0.0, 0.006}, Sway{0.0, -0.006},
                           Sway{0.004, -0.004}}) {
     const Image<std::uint8_t> swayed = rectified(sway);
-    correction.remove(sway, swayed, removed);
+    correction.remove(sway, swayed, removed, seen);
     EXPECT_LT(difference(removed, level), 0.35 * difference(swayed, level))
         << sway.pitch << ' ' << sway.roll;
   }
@@ -57,7 +58,7 @@ TEST_F(SwayTest, IsRemovedOnEveryLine) {
   const Sway sway{0.005, 0.0};
   const Image<std::uint8_t> level = rectified({}), swayed = rectified(sway);
   Image<std::uint8_t> removed(grid.rows, grid.lines);
-  correction.remove(sway, swayed, removed);
+  correction.remove(sway, swayed, removed, seen);
   int lines = 0;
   for (int line = 2; line < grid.lines - 2; ++line) {
     double before = 0.0, after = 0.0;
@@ -81,17 +82,51 @@ TEST_F(SwayTest, TheEndsOfTheViewAreTreatedAlike) {
   for (int line = 0; line < grid.lines; ++line)
     for (int row = 0; row < grid.rows; ++row)
       waves.at(row, line) = static_cast<std::uint8_t>(100.0 + 80.0 * std::sin(0.3 * row));
-  correction.remove({0.005, 0.0}, waves, removed);
+  correction.remove({0.005, 0.0}, waves, removed, seen);
   for (int line = 0; line < grid.lines; ++line)
     EXPECT_EQ(std::equal(waves.row(line), waves.row(line) + grid.rows, removed.row(line)),
               line < 2 || line >= grid.lines - 2)
         << line << " of " << grid.lines;
 }
 
+/// Rows are called seen as far as they show what the definition fetches, and no farther.
+TEST_F(SwayTest, SaysWhichRowsItHadFromTheView) {
+  const auto wave = [](double row) { return 100.0 + 80.0 * std::sin(0.3 * row); };
+  correction.configure(
+      grid, std::vector<RowRange>(static_cast<std::size_t>(grid.lines), RowRange{0, grid.rows}));
+  Image<std::uint8_t> waves(grid.rows, grid.lines), removed(grid.rows, grid.lines);
+  for (int line = 0; line < grid.lines; ++line)
+    for (int row = 0; row < grid.rows; ++row)
+      waves.at(row, line) = static_cast<std::uint8_t>(std::lround(wave(row)));
+  for (const double pitch : {0.005, -0.005}) {
+    correction.remove({pitch, 0.0}, waves, removed, seen);
+    ASSERT_EQ(seen.size(), static_cast<std::size_t>(grid.lines));
+    for (int line = 0; line < grid.lines; ++line) {
+      const RowRange rows = seen[static_cast<std::size_t>(line)];
+      if (line < 2 || line >= grid.lines - 2) {
+        EXPECT_EQ(rows.size(), 0) << line;
+        continue;
+      }
+      for (int row = 0; row < grid.rows; ++row) {
+        const double r = grid.r(row);
+        const double from =
+            row - grid.rows_per_log * pitch * std::cos(grid.azimuth(line)) * (1.0 + r * r) / r;
+        const double inside = std::min(from, grid.rows - 1 - from);
+        if (std::abs(inside) > 1e-3) {
+          EXPECT_EQ(rows.contains(row), inside > 0.0) << row << ' ' << line;
+        }
+        if (rows.contains(row)) {
+          EXPECT_NEAR(removed.at(row, line), wave(from), 2.5);
+        }
+      }
+    }
+  }
+}
+
 TEST_F(SwayTest, NoneChangesNothing) {
   const Image<std::uint8_t> level = rectified({});
   Image<std::uint8_t> same(grid.rows, grid.lines);
-  correction.remove({}, level, same);
+  correction.remove({}, level, same, seen);
   for (int line = 0; line < grid.lines; ++line)
     for (int row = 0; row < grid.rows; ++row)
       ASSERT_EQ(same.at(row, line), level.at(row, line)) << row << ' ' << line;

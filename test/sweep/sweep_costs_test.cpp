@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "ipm_mapping/sweep/specular_cost.hpp"
 #include "sweep/sweep_fixture.hpp"
 
@@ -137,6 +139,41 @@ TEST_F(Costs, FloorCostIsTheSumOverTheLinesOfABeamOrNone) {
   }
   EXPECT_GT(compared, 200);
   EXPECT_GT(missing, 200);
+}
+
+/// A reference that sees less than the view, as one does without its sway.
+TEST_F(Costs, NothingIsComparedThatTheReferenceDoesNotSee) {
+  Image<std::int16_t> all(grid.sweepRows(), grid.lines);
+  for (int line = 0; line < grid.lines; ++line)
+    std::copy_n(floor_cost.residual().row(line), grid.sweepRows(), all.row(line));
+  std::vector<RowRange> fewer = rectification.ranges();
+  for (RowRange& rows : fewer) rows.begin = std::max(rows.begin, grid.rows / 3);
+  floor_cost.evaluate(current, before.view(), foot_motion, {}, cost.view(), &fewer);
+  int kept = 0, left_out = 0;
+  for (int line = 0; line < grid.lines; ++line) {
+    for (int j = 0; j < grid.sweepRows(); ++j) {
+      if (all.at(j, line) == kernels::no_residual) continue;
+      const double az = grid.azimuth(line), d = grid.distance(2 * j);
+      const Eigen::Vector2d p = foot_motion * (d * Eigen::Vector2d(std::cos(az), std::sin(az)));
+      const double below = grid.row(p.norm()) - grid.rows / 3;
+      const bool compared = floor_cost.residual().at(j, line) != kernels::no_residual;
+      (compared ? kept : left_out) += 1;
+      if (std::abs(below) > 1.5) {
+        EXPECT_EQ(compared, below > 0.0) << j << ' ' << line;
+      }
+    }
+  }
+  EXPECT_GT(kept, 1000);
+  EXPECT_GT(left_out, 1000);
+
+  SweepScores scores;
+  sweep.evaluate(current, &reference, 1, 0.0F, scores);
+  const float most = *std::max_element(scores.score.row(0), scores.score.row(sweep.beams()));
+  const std::vector<RowRange> none(static_cast<std::size_t>(grid.lines));
+  reference.rows = &none;
+  sweep.evaluate(current, &reference, 1, 0.0F, scores);
+  EXPECT_GT(most, 10.0F);
+  EXPECT_EQ(*std::max_element(scores.score.row(0), scores.score.row(sweep.beams())), 0.0F);
 }
 
 TEST_F(Costs, FloorIsCheapAndTheBoxIsNot) {

@@ -3,9 +3,12 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
+#include <algorithm>
+#include <memory>
 #include <set>
 #include <string>
 
+#include "ipm_mapping/kernels/sweep_costs.hpp"
 #include "ipm_mapping/parameters/visitors.hpp"
 #include "kernels/sweep_targets.hpp"
 #include "sweep/sweep_fixture.hpp"
@@ -120,6 +123,49 @@ TEST(SweepDetector, WhatIsTooLowIsNoObstacleAndNoFreeFloorEither) {
   }
 }
 
+/// A low block, seen from 0.8 m to half a metre; what a detector with the same parameters knows of
+/// it where the view begins behind its place.
+class BelowTheView : public ::testing::Test {
+ protected:
+  void see(const SweepParameters& parameters) {
+    before = std::make_unique<Drive>(parameters);
+    before->scene.boxes = {{1.0, 1.1, -0.4, 0.4, 0.2}};
+    ASSERT_EQ(before->along(0.2, 0.45, 5), FrameStatus::Used);
+    now = std::make_unique<Drive>(parameters);
+    now->index = before->index;
+  }
+  [[nodiscard]] int blockedAhead() const {
+    EXPECT_EQ(now->along(0.45, 0.65, 4), FrameStatus::Used);
+    EXPECT_TRUE(now->obstacles.contacts.empty());
+    const auto& bearings = now->obstacles.bearings;
+    return static_cast<int>(std::count_if(bearings.begin(), bearings.end(), [](const Bearing& b) {
+      return b.state == BearingState::Blocked && std::abs(b.angle) < 0.3F;
+    }));
+  }
+  std::unique_ptr<Drive> before, now;
+};
+
+TEST_F(BelowTheView, ADetectorWithOtherParametersRemembers) {
+  see(test::smallParameters());
+  EXPECT_EQ(blockedAhead(), 0);
+  see(test::smallParameters());
+  ASSERT_TRUE(now->detector.adopt(before->detector));
+  EXPECT_GE(blockedAhead(), 5);
+}
+
+/// What is withdrawn from the answer does not come back from memory.
+TEST_F(BelowTheView, WhatIsDoubtfulIsNotRemembered) {
+  SweepParameters parameters = test::smallParameters();
+  parameters.selection.least_height = 0.4;
+  see(parameters);
+  ASSERT_TRUE(now->detector.adopt(before->detector));
+  EXPECT_EQ(blockedAhead(), 0);
+}
+
+TEST(SweepDetector, WithoutACameraThereIsNothingToTakeOver) {
+  EXPECT_FALSE(SweepDetector().adopt(SweepDetector()));
+}
+
 /// A robot that nods a third of a degree from frame to frame.
 TEST(SweepDetector, NoddingDoesNotMakeObstaclesOfTheFloor) {
   Drive drive;
@@ -133,6 +179,22 @@ TEST(SweepDetector, NoddingDoesNotMakeObstaclesOfTheFloor) {
     EXPECT_GE(drive.shareOnOutlines(), 0.95) << i;
   }
   EXPECT_GE(frames, 3);
+}
+
+/// Without the sway a reference shows less of the floor: a strip at the end of the view is made up.
+TEST(SweepDetector, ANoddingRobotComparesOnlyWhatBothFramesSaw) {
+  const auto compared = [](double pitch) {
+    Drive drive;
+    drive.at({0.0, 0.0, 0.0});
+    drive.sway.pitch = pitch;
+    EXPECT_EQ(drive.at({0.16, 0.0, 0.0}), FrameStatus::Used);
+    EXPECT_NEAR(std::abs(drive.detector.refinedMotion().sway.pitch), std::abs(pitch), 0.001);
+    const auto residual = drive.detector.residual();
+    return std::count_if(residual.data, residual.row(residual.height),
+                         [](std::int16_t e) { return e != kernels::no_residual; });
+  };
+  // Driving forward it is the far end that counts: it is lost when the robot nods one way.
+  EXPECT_LT(std::min(compared(0.006), compared(-0.006)), compared(0.0));
 }
 
 TEST(SweepDetector, AnEmptyFloorIsFreeAndHasNoContacts) {

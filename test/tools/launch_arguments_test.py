@@ -97,19 +97,17 @@ class LaunchArguments(unittest.TestCase):
 
     def test_values_arrive_at_every_nodelet_that_uses_them(self):
         given = {"image_time_offset": -0.25, "autosave_period": 7.5, "clear_on_clock_jump": True}
-        takes_pictures = {"sweep": ["detector"], "chain": ["ipm", "localization"],
-                          "first_architecture": ["ipm", "localization"]}
+        first = {"sweep": "detector", "chain": "ipm", "first_architecture": "ipm"}
         for name, more in (("chain", []), ("move_base", []), ("replay", ["bag:=drive.bag"])):
-            for detector, nodelets in takes_pictures.items():
+            for detector, nodelet in first.items():
                 found = parameters(name, "detector:=" + detector, *more,
                                    *("%s:=%s" % each for each in given.items()))
-                for nodelet in nodelets:
-                    self.assertEqual(found["/camera/%s/camera/image_time_offset" % nodelet],
-                                     given["image_time_offset"], (name, detector, nodelet))
+                self.assertEqual(found["/camera/%s/camera/image_time_offset" % nodelet],
+                                 given["image_time_offset"], (name, detector))
                 for each in ("autosave_period", "clear_on_clock_jump"):
                     self.assertEqual(found["/camera/mapper/" + each], given[each], (name, each))
         found = parameters("compare", "image_time_offset:=-0.25")
-        for nodelet in ("ipm", "localization", "fpga_model", "comparator"):
+        for nodelet in ("ipm", "fpga_model"):
             self.assertEqual(found["/camera/%s/camera/image_time_offset" % nodelet], -0.25, nodelet)
 
     CAMERA = {"pose_from_tf": False, "x": 0.11, "y": -0.02, "z": 0.33, "pitch": 0.31}

@@ -23,6 +23,7 @@ namespace ipm_mapping {
 struct FrameInfo {
   std_msgs::Header header;  ///< stamp with image_time_offset; frame of the camera
   FrameNames frames;
+  ros::Time image_stamp;  ///< as the camera sent it
 };
 
 /// Images with their poses, for every nodelet that starts from the camera: subscribes to

@@ -27,12 +27,15 @@ class MapKeeper {
   /// it is there and cannot be used.
   [[nodiscard]] std::optional<std::string> loadInitialMap();
 
-  /// The map has changed.
+  /// The map has changed, or was emptied.
   void touch() { changed_ = true; }
-  /// Saves under `autosave_name` if the map has changed since.
+  /// Saves under `autosave_name` if the map has changed since; also an empty one, so that what was
+  /// thrown away does not come back with `initial_map`.
   [[nodiscard]] std::optional<std::string> autosave();
 
  private:
+  [[nodiscard]] Saved write(const std::string& name) const;
+
   OccupancyMap& map_;
   MapperParameters parameters_;
   bool changed_ = false;

@@ -15,21 +15,18 @@ void publishOverlay(const image_transport::Publisher& publisher, GrayView raw,
                     const Obstacles& obstacles, const std_msgs::Header& header);
 
 /// Camera pictures for a stage that only gets their results: subscribes while somebody looks, and
-/// finds the picture of a stamp among the last ones.
+/// finds the picture that the camera sent with a stamp among the last ones.
 class CameraPictures {
  public:
-  /// `image_time_offset`: what later stages have added to the stamps, seconds.
-  CameraPictures(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
-                 double image_time_offset);
+  CameraPictures(const ros::NodeHandle& node, const ros::NodeHandle& private_node);
 
   void want(bool wanted);
   /// The picture stays valid as long as `picture` lives; false when it is not there.
-  [[nodiscard]] bool find(const ros::Time& stamp, GrayPicture& picture) const;
+  [[nodiscard]] bool find(const ros::Time& image_stamp, GrayPicture& picture) const;
 
  private:
   static constexpr std::size_t kept = 64;
 
-  double image_time_offset_;
   bool wanted_ = false;
   std::deque<CameraMessage> messages_;
   ImageSubscriber images_;

@@ -21,6 +21,8 @@ struct RowRange {
 
 /// Element i: the rows that all of lines i ... i + lines - 1 see.
 [[nodiscard]] std::vector<RowRange> commonRows(const std::vector<RowRange>& rows, int lines);
+/// The same, into memory that is used again.
+void commonRows(const std::vector<RowRange>& rows, int lines, std::vector<RowRange>& common);
 
 /// Raw image to polar grid: one fixed map per camera and pose, compiled once into byte offsets and
 /// weights. Each output pixel is

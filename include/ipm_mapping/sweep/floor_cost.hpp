@@ -36,10 +36,12 @@ class FloorCost {
                  const EvidenceParameters& parameters);
 
   /// `cost` is sweepRows x beams, kernels::cost_unit for 1 sigma^2, kernels::no_cost where a pixel
-  /// of the beam was not seen in both views. `reference` is a rectified image.
+  /// of the beam was not seen in both views. `reference` is a rectified image, `reference_rows`
+  /// what it sees of each line where that is less than the view.
   void evaluate(const CurrentView& current, ImageView<const std::uint8_t> reference,
                 const FootMotion& motion, const Photometric& photometric,
-                ImageView<std::uint16_t> cost);
+                ImageView<std::uint16_t> cost,
+                const std::vector<RowRange>* reference_rows = nullptr);
 
   /// The residual of the last evaluation, sweepRows x lines, 1/32 grey levels, no_residual where
   /// there is none.
@@ -48,8 +50,9 @@ class FloorCost {
  private:
   void buildNodes(const FootMotion& motion);
   void nodesOf(int line);
-  [[nodiscard]] RowRange seenInBoth(RowRange rows) const;
-  void compare(const CurrentView& current, const Photometric& photometric);
+  [[nodiscard]] RowRange seenInBoth(const std::vector<RowRange>& reference, RowRange rows) const;
+  void compare(const CurrentView& current, const Photometric& photometric,
+               const std::vector<RowRange>& reference_rows);
   void accumulate(int line, int sign);
   void squaresOf(const CurrentView& current, int line);
   [[nodiscard]] RowRange comparedByAll(int beam) const;

@@ -19,6 +19,8 @@ class FreeFloor {
  public:
   void configure(const FreeFloorParameters& parameters);
   void reset() { remembered_.clear(); }
+  /// Remembers what another one does.
+  void adopt(const FreeFloor& other) { remembered_ = other.remembered_; }
 
   /// Limits the free bearings of a frame by its contacts. Ranges count from the camera's foot;
   /// `near` of each bearing has to be set.

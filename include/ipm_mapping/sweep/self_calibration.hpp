@@ -24,6 +24,9 @@ class SelfCalibration {
 
   /// A new stated pose: forgets everything.
   void setCamera(const CameraPose& T_base_camera);
+  /// What another one has learnt about the same stated pose with the same priors is known from now
+  /// on. True if its correction may stay in force.
+  bool adopt(const SelfCalibration& other);
   /// How frames are rectified from now on: with corrected(stated pose, rectified_with). What was
   /// learnt stays.
   void configure(const PolarGrid& grid, const std::vector<RowRange>& rows,
@@ -35,12 +38,14 @@ class SelfCalibration {
   /// something was learnt.
   bool offer(const RectifiedFrame& current, const ReferenceRing& ring);
 
-  [[nodiscard]] const CalibrationVector& state() const { return state_; }
-  [[nodiscard]] const CalibrationMatrix& covariance() const { return covariance_; }
-  [[nodiscard]] double sigma(int index) const { return std::sqrt(covariance_(index, index)); }
+  [[nodiscard]] const CalibrationVector& state() const { return learnt_.state; }
+  [[nodiscard]] const CalibrationMatrix& covariance() const { return learnt_.covariance; }
+  [[nodiscard]] double sigma(int index) const {
+    return std::sqrt(learnt_.covariance(index, index));
+  }
   /// Of height over odometry's way, relative.
   [[nodiscard]] double ratioSigma() const;
-  [[nodiscard]] int pairs() const { return pairs_; }
+  [[nodiscard]] int pairs() const { return learnt_.pairs; }
   /// Enough pairs, and no farther from the stated pose than the bounds allow.
   [[nodiscard]] bool believable() const;
   [[nodiscard]] bool confident() const;
@@ -58,6 +63,15 @@ class SelfCalibration {
   [[nodiscard]] FloorPair& floor() { return pair_; }
 
  private:
+  struct Learnt {
+    CalibrationInformation evidence;
+    bool wrong_height = false, height_in_doubt = false;
+    CalibrationVector aligned = CalibrationVector::Zero();  ///< without judging the height
+    CalibrationVector state = CalibrationVector::Zero();
+    CalibrationMatrix covariance = CalibrationMatrix::Identity();
+    int pairs = 0, refused = 0;
+  };
+
   [[nodiscard]] double baseline() const;
   [[nodiscard]] bool bounded() const;
   [[nodiscard]] bool due(const SE2& T_odom_base) const;
@@ -73,12 +87,8 @@ class SelfCalibration {
   StatedCamera stated_;
   FloorPair pair_;
   CalibrationVector rectified_with_ = CalibrationVector::Zero();
-  CalibrationInformation prior_, prior_right_height_, learnt_;
-  bool wrong_height_ = false, height_in_doubt_ = false;
-  CalibrationVector aligned_ = CalibrationVector::Zero();  ///< without judging the height
-  CalibrationVector state_ = CalibrationVector::Zero();
-  CalibrationMatrix covariance_ = CalibrationMatrix::Identity();
-  int pairs_ = 0, refused_ = 0;
+  CalibrationInformation prior_, prior_right_height_;
+  Learnt learnt_;
   PairEvidence evidence_;
   const RectifiedFrame* reference_ = nullptr;
   SE2 last_pair_;

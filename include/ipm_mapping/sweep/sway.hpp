@@ -24,10 +24,13 @@ class SwayCorrection {
  public:
   void configure(const PolarGrid& grid, const std::vector<RowRange>& rows);
 
-  /// `image` was taken with `sway`; `out`, of the grid's size, is how it looks without.
-  void remove(const Sway& sway, const Image<std::uint8_t>& image, Image<std::uint8_t>& out) const;
+  /// `image` was taken with `sway`; `out`, of the grid's size, is how it looks without. `seen`: the
+  /// rows of each line for which the image has what they show; beside them `out` is made up.
+  void remove(const Sway& sway, const Image<std::uint8_t>& image, Image<std::uint8_t>& out,
+              std::vector<RowRange>& seen) const;
 
  private:
+  [[nodiscard]] RowRange reached(RowRange moved, float along) const;
   static float across(float lines, float r_most);
 
   PolarGrid grid_;

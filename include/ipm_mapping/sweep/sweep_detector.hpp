@@ -34,6 +34,8 @@ class SweepDetector : public Detector {
                          const CalibrationParameters& calibration = {});
 
   void setCamera(const CameraModel& camera, const CameraPose& T_base_camera) override;
+  /// Keeps what was learnt about the camera, applied or not, and what stands below the view.
+  bool adopt(const Detector& before) override;
   void reset() override;
   FrameStatus process(const Frame& frame, Obstacles& obstacles) override;
   [[nodiscard]] const std::vector<StageTime>& stageTimes() const override { return times_; }
@@ -60,6 +62,13 @@ class SweepDetector : public Detector {
     Image<std::uint16_t> floor_cost;
   };
 
+  /// A reference without its sway, and the rows that it sees: of lines, and common to a beam's.
+  struct Steadied {
+    Image<std::uint8_t> image;
+    std::vector<RowRange> rows, beam_rows;
+  };
+
+  void rectifyWith(const CalibrationVector& correction);
   void configure(const CameraPose& T_base_camera);
   void learnCalibration();
   void applyCalibration();
@@ -69,7 +78,7 @@ class SweepDetector : public Detector {
   void maskFloor();
   void splitCurrent();
   void compareWithReferences();
-  [[nodiscard]] const Image<std::uint8_t>& steadied(std::size_t reference);
+  bool steady(std::size_t reference);
   void splitReference(const Image<std::uint8_t>& reference, const Photometric& photometric,
                       Planes& planes);
   void fillView(const Frame& frame, Obstacles& obstacles) const;
@@ -119,7 +128,7 @@ class SweepDetector : public Detector {
   Image<std::int16_t> current_grey_, current_odd_;
   Image<std::uint16_t> weight_;
   std::array<Planes, VerticalSweep::max_references> planes_;
-  std::array<Image<std::uint8_t>, VerticalSweep::max_references> steady_;  ///< without their sway
+  std::array<Steadied, VerticalSweep::max_references> steady_;
   std::array<const RectifiedFrame*, VerticalSweep::max_references> references_{};
   std::array<SweepReference, VerticalSweep::max_references> views_;
   std::array<RefinedMotion, VerticalSweep::max_references> motions_;

@@ -18,6 +18,13 @@ struct SweepReference {
   ImageView<const std::int16_t> even, odd;    ///< fine rows 2j and 2j + 1
   ImageView<const std::uint16_t> floor_cost;  ///< sweepRows x beams
   FootMotion motion;
+  /// What it sees, as commonRows() of a beam's lines and one more, where that is less than the
+  /// view.
+  const std::vector<RowRange>* rows = nullptr;
+
+  [[nodiscard]] RowRange seen(std::size_t line, const std::vector<RowRange>& view) const {
+    return rows != nullptr ? (*rows)[line] : view[line];
+  }
 };
 
 /// Scores of every candidate contact of every beam.
