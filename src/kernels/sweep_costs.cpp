@@ -63,6 +63,18 @@ void blockSums(const std::uint8_t* HWY_RESTRICT in, int blocks, std::int32_t* HW
   }
 }
 
+void beamSums(const std::int16_t* HWY_RESTRICT first_line, std::int64_t stride, int count,
+              std::int32_t* HWY_RESTRICT sums) {
+  sums[0] = 0;
+  for (int i = 0; i < count; ++i) {
+    std::int32_t sum = 0;
+    for (int k = 0; k < beam_lines; ++k) sum += first_line[k * stride + i];
+    sums[i + 1] = sum;
+  }
+  std::int32_t total = 0;
+  for (int i = 1; i <= count; ++i) sums[i] = total += sums[i];
+}
+
 /// Grey levels of a run of rows as floating point, in whole levels.
 template <class D>
 HWY_INLINE hn::Vec<D> greyLevel(D d, hn::Vec<hn::RebindToSigned<D>> fixed) {
@@ -133,10 +145,11 @@ HWY_INLINE hn::Vec<hn::RebindToUnsigned<D>> costOf(D d, const VerticalPath& path
   const auto row_fraction = hn::Set(d, path.row_fraction);
   const auto line_fraction = hn::Set(d, path.line_fraction);
   const auto cap = hn::Set(du, static_cast<std::uint16_t>(deviation_cap));
+  const auto brighter = hn::Set(d, path.brighter);
   auto sum = hn::Zero(du);
   auto line = blended(d, path.upper + at, path.lower + at, row_fraction);
   for (int k = 0; k < beam_lines; ++k) {
-    const auto now = hn::LoadU(d, path.current + at);
+    const auto now = hn::Sub(hn::LoadU(d, path.current + at), brighter);
     const auto weight = hn::LoadU(du, path.weight + at);
     at += path.stride;
     const auto next = blended(d, path.upper + at, path.lower + at, row_fraction);
@@ -273,6 +286,7 @@ HWY_AFTER_NAMESPACE();
 namespace ipm_mapping::kernels {
 HWY_EXPORT(split);
 HWY_EXPORT(blockSums);
+HWY_EXPORT(beamSums);
 HWY_EXPORT(noise);
 HWY_EXPORT(evidenceRows);
 HWY_EXPORT(lower);
@@ -286,6 +300,10 @@ void splitRows(const std::uint8_t* line, std::int32_t gain, std::int32_t offset,
 
 void addBlockSums(const std::uint8_t* in, int blocks, std::int32_t* sums) {
   HWY_DYNAMIC_DISPATCH(blockSums)(in, blocks, sums);
+}
+
+void sumBeam(const std::int16_t* first_line, std::int64_t stride, int count, std::int32_t* sums) {
+  HWY_DYNAMIC_DISPATCH(beamSums)(first_line, stride, count, sums);
 }
 
 void noiseWeights(const NoiseNeighbours& grey, const float* along, const float* bend_along,

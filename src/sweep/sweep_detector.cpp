@@ -111,7 +111,8 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
   if (status == FrameStatus::Used) {
     fillView(frame, obstacles);
     splitCurrent();
-    const CurrentView view{current_grey_.view(), weight_.view(), &noise_.sweepRows()};
+    const CurrentView view{current_grey_.view(), weight_.view(), &noise_.sweepRows(),
+                           current_sums_.view()};
     const bool first_look = !floor_masked_;
     findContacts(view);
     if (first_look) findContacts(view);  // the motion was found on what may not have been floor
@@ -138,7 +139,7 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
 
 /// The sweep's own contacts. They mask the floor for the next motion; guesses must not.
 void SweepDetector::findContacts(const CurrentView& view) {
-  compareWithReferences();
+  compareWithReferences(view);
   sweep_.evaluate(view, views_.data(), reference_count_,
                   static_cast<float>(parameters_.selection.publish_score), scores_);
   lap("vertical_sweep");
@@ -193,6 +194,7 @@ void SweepDetector::splitCurrent() {
   for (int line = 0; line < grid_.lines; ++line)
     kernels::splitRows(current_.image.row(line), Photometric{}.fixedGain(), 0, grid_.sweepRows(),
                        current_grey_.row(line), current_odd_.row(line));
+  current_sums_.evaluate(current_grey_.view(), parameters_.evidence.beam_step);
   noise_.evaluate(current_grey_.view(), current_odd_.view(), weight_.view());
   lap("noise_model");
 }
@@ -213,9 +215,10 @@ void SweepDetector::splitReference(const Image<std::uint8_t>& reference,
   for (int line = 0; line < grid_.lines; ++line)
     kernels::splitRows(reference.row(line), photometric.fixedGain(), photometric.fixedOffset(),
                        grid_.sweepRows(), planes.even.row(line), planes.odd.row(line));
+  planes.sums.evaluate(planes.even.view());
 }
 
-void SweepDetector::compareWithReferences() {
+void SweepDetector::compareWithReferences(const CurrentView& view) {
   const Eigen::Vector2d foot = T_base_camera_.translation().head<2>();
   for (std::size_t q = 0; q < static_cast<std::size_t>(reference_count_); ++q) {
     const RectifiedFrame& reference = *references_[q];
@@ -230,15 +233,17 @@ void SweepDetector::compareWithReferences() {
     const bool swayed = steady(q);
     const Image<std::uint8_t>& reference = swayed ? steady_[q].image : references_[q]->image;
     const FootMotion motion(motions_[q].motion, foot);
-    floor_cost_.evaluate({current_grey_.view(), weight_.view(), &noise_.sweepRows()},
-                         reference.view(), motion, motions_[q].photometric,
+    floor_cost_.evaluate(view, reference.view(), motion, motions_[q].photometric,
                          planes.floor_cost.view(), swayed ? &steady_[q].rows : nullptr);
     splitReference(reference, motions_[q].photometric, planes);
-    views_[q] = {planes.even.view(), planes.odd.view(), planes.floor_cost.view(), motion,
-                 swayed ? &steady_[q].beam_rows : nullptr};
+    views_[q] = {planes.even.view(),
+                 planes.odd.view(),
+                 planes.floor_cost.view(),
+                 motion,
+                 swayed ? &steady_[q].beam_rows : nullptr,
+                 planes.sums.view()};
     if (parameters_.evidence.specular_prior < 9.0)
-      specular_.apply({current_grey_.view(), weight_.view(), &noise_.sweepRows()}, sweep_,
-                      views_[q], motions_[q].motion.theta, planes.floor_cost.view());
+      specular_.apply(view, sweep_, views_[q], motions_[q].motion.theta, planes.floor_cost.view());
   }
   lap("floor_cost");
 }

@@ -16,6 +16,8 @@ constexpr int upright = -1;  // as a slope
 constexpr double weight_unit = 256.0;
 constexpr int peak_reach = 6;       // candidates around a step that a maximum is compared with
 constexpr float peak_share = 0.5F;  // of that maximum
+constexpr int least_patch = 4;      // rows that tell a brightness
+constexpr std::int32_t any_brightness = 255 * kernels::grey_unit;
 
 }  // namespace
 
@@ -51,6 +53,9 @@ void VerticalSweep::configure(const PolarGrid& grid, const std::vector<RowRange>
   beams_ = std::max(0, (grid.lines - kernels::beam_lines - 1) / beam_step_);
   floor_cap_ = static_cast<std::int32_t>(std::lround(p.floor_cap * kernels::cost_unit));
   prior_ = static_cast<std::int32_t>(std::lround(p.vertical_prior * kernels::cost_unit));
+  brightness_ = static_cast<std::int32_t>(std::lround(p.vertical_brightness * kernels::grey_unit));
+  brightness_rows_ =
+      static_cast<int>(std::lround(-std::log(1.0 - p.brightness_support) * sweep_rows_per_log));
   const std::vector<RowRange> beams = commonRows(current_rows, kernels::beam_lines);
   beam_rows_.clear();
   for (int beam = 0; beam < beams_; ++beam)
@@ -131,6 +136,7 @@ void VerticalSweep::aimBeam(const CurrentView& current, const SweepReference* re
     vertical.current = current.grey.row(firstLine(beam));
     vertical.weight = current.weight.row(firstLine(beam));
   }
+  sums_ = current.sums.empty() ? nullptr : current.sums.row(beam);
 }
 
 /// A candidate's vertical line in one reference, on the rows of its support that are seen there.
@@ -158,6 +164,32 @@ void VerticalSweep::aim(const SweepReference* references, int count, int candida
   const auto c = static_cast<std::size_t>(std::clamp(candidate, 0, candidates_ - 1));
   for (std::size_t q = 0; q < static_cast<std::size_t>(count); ++q)
     aim(references[q], places_[q], c, support, paths_[q]);
+}
+
+/// The surface that a candidate was aimed at may have become brighter or darker by so much, as a
+/// patch of it shows. Mirror images change more.
+void VerticalSweep::allowForBrightness(const SweepReference* references, int count, int candidate,
+                                       RowRange patch, std::int32_t most) {
+  const auto c = static_cast<std::size_t>(std::clamp(candidate, 0, candidates_ - 1));
+  for (std::size_t q = 0; q < static_cast<std::size_t>(count); ++q) {
+    kernels::EvidencePath& path = paths_[q];
+    path.vertical.brighter = 0;
+    const RowRange rows = intersection(patch, {path.begin, path.end - 1});
+    if (references[q].sums.empty() || rows.size() < least_patch) continue;
+    const Places& places = places_[q];
+    const std::int32_t shift = places.shift[c];
+    const BeamPatch before{rows.begin,
+                           rows.end,
+                           places.line[c],
+                           places.line_fraction[c],
+                           shift >> 1,  // an even row is two fine ones
+                           ((shift & 1) * (1 << 15) + places.row_fraction[c]) / 2};
+    const float brighter = (static_cast<float>(sums_[rows.end] - sums_[rows.begin]) -
+                            sumOf(references[q].sums, before)) /
+                           static_cast<float>(kernels::beam_lines * rows.size());
+    path.vertical.brighter =
+        static_cast<std::int16_t>(std::clamp(static_cast<std::int32_t>(brighter), -most, most));
+  }
 }
 
 /// How many candidates farther a surface that leans away is met on a row than at its contact: with
@@ -200,6 +232,9 @@ float VerticalSweep::scoreOf(const SweepReference* references, int count, int be
                                     contact - (part.begin + end) / 2, candidate)
                               : 0;
     aim(references, count, candidate - farther, support);
+    if (brightness_ > 0 && end == support.end)
+      allowForBrightness(references, count, candidate - farther,
+                         {contact - brightness_rows_, contact}, brightness_);
     kernels::climbSupport(paths_.data(), count, terms, part.begin, part.end, support.begin, least,
                           climb);
   }
@@ -229,6 +264,7 @@ float VerticalSweep::evidence(const SweepReference* references, int count, int b
   count = std::min(count, max_references);
   const RowRange support = intersection(rows(beam), part);
   aim(references, count, candidate, support);
+  if (brightness_ > 0) allowForBrightness(references, count, candidate, support, any_brightness);
   std::fill_n(gain_.begin(), support.size() + kernels::overrun, 0);
   int compared = 0;
   for (std::size_t q = 0; q < static_cast<std::size_t>(count); ++q) {

@@ -92,8 +92,9 @@ TEST(SweepDetector, AThinPostIsBelievedAtTheSecondLook) {
     const Eigen::Vector2d foot = drive.last * Eigen::Vector2d(0.05, -0.01);
     for (const Bearing& b : drive.obstacles.bearings)
       if (b.state == BearingState::Free &&
-          std::abs(double{b.angle} - std::atan2(0.006 - foot.y(), 1.25 - foot.x())) < 0.005)
+          std::abs(double{b.angle} - std::atan2(0.006 - foot.y(), 1.25 - foot.x())) < 0.005) {
         EXPECT_LT(b.range, 1.3 - foot.x());
+      }
   }
   EXPECT_EQ(first, 0U);
   EXPECT_GT(later, 0U);

@@ -25,6 +25,9 @@ void splitRows(const std::uint8_t* line, std::int32_t gain, std::int32_t offset,
 /// sums[b] += in[8 b] + ... + in[8 b + 7] for 8 * blocks bytes.
 void addBlockSums(const std::uint8_t* in, int blocks, std::int32_t* sums);
 
+/// sums[i] = the first i values of beam_lines lines together; count + 1 of them.
+void sumBeam(const std::int16_t* first_line, std::int64_t stride, int count, std::int32_t* sums);
+
 /// What noiseWeights() needs beside the pixels.
 struct NoiseTerms {
   float dark = 0.0F;         ///< variance in the dark, grey levels^2
@@ -58,6 +61,7 @@ struct VerticalPath {
   const std::int16_t* lower = nullptr;    ///< the rows one further
   std::int16_t row_fraction = 0;          ///< of the shift, 1/2^15
   std::int16_t line_fraction = 0;         ///< of the line position, 1/2^15
+  std::int16_t brighter = 0;              ///< than the reference, 1/32 grey levels
 };
 /// cost[i] = sum over the eight lines of t^2 for sweep rows i < count.
 void verticalCost(const VerticalPath& path, int count, std::uint16_t* cost);

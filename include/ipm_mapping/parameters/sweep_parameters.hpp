@@ -161,6 +161,8 @@ struct NoiseParameters {
 struct EvidenceParameters {
   double floor_cap = 2.5;
   double vertical_prior = 0.03;
+  double vertical_brightness = 0.5;
+  double brightness_support = 0.4;
   double least_vertical_cost = 0.1;
   double rival_share = 0.6;
   double specular_prior = 0.2;
@@ -177,6 +179,12 @@ struct EvidenceParameters {
           "the floor never costs more: 'neither floor nor vertical' is an allowed answer");
     field("vertical_prior", self.vertical_prior, Unit{"sigma^2"}, Range{0.0, 2.0},
           "a vertical line costs this much more a row");
+    field("vertical_brightness", self.vertical_brightness, Unit{"grey levels"}, Range{0.0, 32.0},
+          "an upright surface may become brighter or darker by so much between the views: light "
+          "falls on it from elsewhere, lenses darken towards their corners; mirror images change "
+          "more; 0: not at all");
+    field("brightness_support", self.brightness_support, Unit{"camera heights"}, Range{0.01, 0.95},
+          "how far up the surface shows by how much");
     field("least_vertical_cost", self.least_vertical_cost, Unit{"sigma^2"}, Range{0.0, 1.0},
           "no vertical line is expected to fit better a row: what could not score otherwise is not "
           "tried; 0: nothing is left out");

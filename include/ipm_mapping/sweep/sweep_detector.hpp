@@ -60,6 +60,7 @@ class SweepDetector : public Detector {
   struct Planes {
     Image<std::int16_t> even, odd;
     Image<std::uint16_t> floor_cost;
+    BeamSums sums;
   };
 
   /// A reference without its sway, and the rows that it sees: of lines, and common to a beam's.
@@ -77,7 +78,7 @@ class SweepDetector : public Detector {
   void findContacts(const CurrentView& view);
   void maskFloor();
   void splitCurrent();
-  void compareWithReferences();
+  void compareWithReferences(const CurrentView& view);
   bool steady(std::size_t reference);
   void splitReference(const Image<std::uint8_t>& reference, const Photometric& photometric,
                       Planes& planes);
@@ -127,6 +128,7 @@ class SweepDetector : public Detector {
   RectifiedFrame current_;
   Image<std::int16_t> current_grey_, current_odd_;
   Image<std::uint16_t> weight_;
+  BeamSums current_sums_;
   std::array<Planes, VerticalSweep::max_references> planes_;
   std::array<Steadied, VerticalSweep::max_references> steady_;
   std::array<const RectifiedFrame*, VerticalSweep::max_references> references_{};

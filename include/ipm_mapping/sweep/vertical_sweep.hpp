@@ -6,6 +6,7 @@
 
 #include "ipm_mapping/image_view.hpp"
 #include "ipm_mapping/kernels/sweep_costs.hpp"
+#include "ipm_mapping/sweep/beam_sums.hpp"
 #include "ipm_mapping/sweep/floor_cost.hpp"
 #include "ipm_mapping/sweep/foot_motion.hpp"
 #include "ipm_mapping/sweep/polar_grid.hpp"
@@ -21,6 +22,7 @@ struct SweepReference {
   /// What it sees, as commonRows() of a beam's lines and one more, where that is less than the
   /// view.
   const std::vector<RowRange>* rows = nullptr;
+  ImageView<const std::int32_t> sums;  ///< BeamSums of even; empty: brightness is taken as it is
 
   [[nodiscard]] RowRange seen(std::size_t line, const std::vector<RowRange>& view) const {
     return rows != nullptr ? (*rows)[line] : view[line];
@@ -38,7 +40,9 @@ struct SweepScores {
 /// rows_per_log ln(d / d'). With F and V the costs of floor and vertical per row,
 ///   S(b) = max over top of sum_{top..b} w(row) mean over references of (min(F, U) - V_b - prior),
 /// w(row) = evidence_rows dr: evidence counts per unit of r, as the image does, not per row of the
-/// grid. Candidates reach below the image: what they absorb stands nearer than the view.
+/// grid. V allows for a small change of the whole surface's brightness: light falls on it from
+/// elsewhere, lenses darken towards their corners. Candidates reach below the image: what they
+/// absorb stands nearer than the view.
 class VerticalSweep {
  public:
   static constexpr int max_references = 2;
@@ -63,9 +67,9 @@ class VerticalSweep {
   float leaningScore(const SweepReference* references, int count, int beam, int candidate,
                      int slope, float least_score, std::int16_t& top);
 
-  /// Evidence for an upright surface at a candidate of the aimed beam, summed over a part of the
-  /// sweep rows whatever its sign: negative where the floor's own texture goes on there. The lowest
-  /// number where less than half of the rows can be compared.
+  /// Evidence for an upright surface of any brightness at a candidate of the aimed beam, summed
+  /// over a part of the sweep rows whatever its sign: negative where the floor's own texture goes
+  /// on there. The lowest number where less than half of the rows can be compared.
   float evidence(const SweepReference* references, int count, int beam, int candidate,
                  RowRange part);
 
@@ -93,6 +97,8 @@ class VerticalSweep {
   void aim(const SweepReference& reference, const Places& places, std::size_t candidate,
            RowRange support, kernels::EvidencePath& path);
   void aim(const SweepReference* references, int count, int candidate, RowRange support);
+  void allowForBrightness(const SweepReference* references, int count, int candidate,
+                          RowRange patch, std::int32_t most);
   [[nodiscard]] double candidateR(int candidate) const {
     return row_r_[static_cast<std::size_t>(first_row_ + candidate)];
   }
@@ -108,6 +114,9 @@ class VerticalSweep {
       support_rows_ = 0;
   float rival_share_ = 0.0F;
   std::int32_t floor_cap_ = 0, prior_ = 0;
+  std::int32_t brightness_ = 0;                // most that a surface's may change, 1/32 grey levels
+  int brightness_rows_ = 0;                    // above the contact, that tell it
+  const std::int32_t* sums_ = nullptr;         // current, of the aimed beam
   std::vector<RowRange> beam_rows_;            // current: sweep rows, eight lines
   std::vector<RowRange> reference_rows_;       // reference: fine rows, nine lines from each line on
   std::vector<std::int32_t> row_weight_;       // w(row) in 1/256
