@@ -321,6 +321,39 @@ TEST(SweepCostKernels, VerticalCostSumsEightInterpolatedLines) {
   }
 }
 
+TEST(SweepCostKernels, ABrighterSurfaceIsComparedAsIfItWereNot) {
+  VerticalCase data;
+  kernels::VerticalPath brighter = data.path(0.41, 0.83);
+  brighter.brighter = 37;
+  VerticalCase darker = data;
+  for (std::int16_t& grey : darker.current) grey = static_cast<std::int16_t>(grey - 37);
+  withEverySweepTarget([&] {
+    std::vector<std::uint16_t> cost(97 + kernels::overrun), expected(cost.size());
+    kernels::verticalCost(brighter, 97, cost.data());
+    kernels::verticalCost(darker.path(0.41, 0.83), 97, expected.data());
+    cost.resize(97), expected.resize(97);
+    EXPECT_EQ(cost, expected);
+  });
+}
+
+TEST(SweepCostKernels, SumsOfABeamAreThoseOfItsLinesUpToEachRow) {
+  constexpr int stride = 70;
+  const auto lines = randomValues<std::int16_t>(stride * 9, -8191, 8191, 41);
+  for (const int count : {0, 1, 31, 64}) {
+    withEverySweepTarget([&] {
+      std::vector<std::int32_t> sums(static_cast<std::size_t>(count) + 2, -1);
+      kernels::sumBeam(lines.data(), stride, count, sums.data());
+      std::int32_t expected = 0;
+      for (int i = 0; i <= count; ++i) {
+        ASSERT_EQ(sums[static_cast<std::size_t>(i)], expected) << i;
+        for (int k = 0; k < kernels::beam_lines; ++k)
+          expected += lines[static_cast<std::size_t>(k * stride + i)];
+      }
+      EXPECT_EQ(sums.back(), -1);
+    });
+  }
+}
+
 TEST(SweepCostKernels, VerticalCostIsTheSameOnEveryTarget) {
   const VerticalCase data;
   std::vector<std::uint16_t> first;

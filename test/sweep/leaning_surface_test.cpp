@@ -51,7 +51,7 @@ SweepParameters withoutEdge() {
 TEST(LeaningSurface, ItsFootIsFoundWhereAnUprightOneIsSeenBehindIt) {
   SweepParameters upright = withoutEdge();
   upright.selection.lean_reach = 0;
-  const auto behind = feetOf(0.35, upright), found = feetOf(0.35, withoutEdge());
+  const auto behind = feetOf(0.6, upright), found = feetOf(0.6, withoutEdge());
   ASSERT_GT(behind.size(), 5U);
   ASSERT_GT(found.size(), 5U);
   EXPECT_GT(medianOf(behind), 0.03);

@@ -34,6 +34,15 @@ TEST_F(PlainEdgeLimit, FloorGoesOnBehindALineOnTheFloor) {
   EXPECT_LT(limit(middle), range) << "nothing but the texture told them apart";
 }
 
+/// Light falls on it from elsewhere: that alone does not make it floor.
+TEST_F(PlainEdgeLimit, AWallThatLooksBrighterThanBeforeIsAWall) {
+  paint(0, sweep.beams() - 1, wall_grey + 4);
+  for (int beam = 10; beam < sweep.beams() - 10; ++beam)
+    EXPECT_NEAR(limit(beam), wallDistance(beam), 0.02) << beam;
+  grainBehind(0, sweep.beams() - 1);
+  EXPECT_EQ(limit(middle), range);
+}
+
 TEST_F(PlainEdgeLimit, AFaintEdgeAndOneBeyondTheRangeAreNotAsked) {
   free_floor.free_edge = 60.0;
   EXPECT_EQ(limit(middle), range);

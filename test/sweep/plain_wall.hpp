@@ -33,6 +33,7 @@ class PlainWall : public ::testing::Test {
     odd.resize(grid.sweepRows(), grid.lines, std::int16_t{wall_grey * kernels::grey_unit});
     cost.resize(grid.sweepRows(), sweep.beams(), std::uint16_t{0});
     paint(0, sweep.beams() - 1, wall_grey);
+    before_sums.evaluate(even.view());
   }
   /// The wall as some beams see it.
   void paint(int first, int last, int behind) {
@@ -60,9 +61,14 @@ class PlainWall : public ::testing::Test {
           grey.at(row, line) =
               static_cast<std::int16_t>(kernels::grey_unit * (wall_grey + grain(random)));
   }
-  [[nodiscard]] CurrentView current() const { return {grey.view(), weight.view(), &rows}; }
+  [[nodiscard]] CurrentView current() {
+    sums.evaluate(grey.view(), sweep.firstLine(1));
+    return {grey.view(), weight.view(), &rows, sums.view()};
+  }
   [[nodiscard]] SweepReference reference() const {
-    return {even.view(), odd.view(), cost.view(), FootMotion({0.15, 0.0, 0.0}, {0.05, -0.01})};
+    return {even.view(), odd.view(),
+            cost.view(), FootMotion({0.15, 0.0, 0.0}, {0.05, -0.01}),
+            nullptr,     before_sums.view()};
   }
 
   PolarGrid grid;
@@ -70,6 +76,7 @@ class PlainWall : public ::testing::Test {
   std::vector<RowRange> rows;
   Image<std::int16_t> grey, even, odd;
   Image<std::uint16_t> weight, cost;
+  BeamSums sums, before_sums;
   FootParameters parameters;
 };
 

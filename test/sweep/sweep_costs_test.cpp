@@ -54,6 +54,13 @@ class Costs : public ::testing::Test {
     const double y = boxDistance(beam) * std::sin(sweep.azimuth(beam)) - 0.01;
     return y > -0.07 && y < 0.17;
   }
+  /// The brightness of upright surfaces may change from here on.
+  void allowForBrightness() {
+    now_sums.evaluate(grey.view(), p.evidence.beam_step);
+    before_sums.evaluate(even.view());
+    current.sums = now_sums.view();
+    reference.sums = before_sums.view();
+  }
   /// Grey level of the reference between pixels of the polar grid; false outside the view.
   [[nodiscard]] bool sample(const Eigen::Vector2d& p, double r_factor, double& value) const {
     const double row = grid.row(p.norm() * r_factor), line = grid.line(std::atan2(p.y(), p.x()));
@@ -84,6 +91,7 @@ class Costs : public ::testing::Test {
   Image<std::uint8_t> now, before;
   Image<std::int16_t> grey, unused, even, odd;
   Image<std::uint16_t> weight, cost;
+  BeamSums now_sums, before_sums;
   CurrentView current;
   SweepReference reference;
 };
@@ -194,47 +202,118 @@ TEST_F(Costs, FloorIsCheapAndTheBoxIsNot) {
 }
 
 /// The definition of the score, in floating point, one candidate at a time.
-TEST_F(Costs, ScoresEqualTheDefinition) {
-  SweepScores scores;
-  sweep.evaluate(current, &reference, 1, 0.0F, scores);
-  const double unit = kernels::cost_unit;
-  int compared = 0;
-  for (int beam = 3; beam < sweep.beams(); beam += 4) {
-    for (int c = 10; c < sweep.candidates(); c += 9) {
-      const int contact = static_cast<int>(sweep.sweepRow(c));
-      const double d = sweep.distance(c), az = sweep.azimuth(beam);
-      const Eigen::Vector2d place = foot_motion * (d * Eigen::Vector2d(std::cos(az), std::sin(az)));
-      const double first_line = grid.line(std::atan2(place.y(), place.x())) - 3.5;
-      double sum = 0.0, best = 0.0;
-      const int reach = static_cast<int>(
-          std::lround(-std::log(1 - p.grid.max_support) * p.grid.rows_per_log / 2));
-      for (int j = std::min(contact, sweep.rows(beam).end - 1);
-           j >= std::max(contact - reach, sweep.rows(beam).begin); --j) {
-        if (cost.at(j, beam) == kernels::no_cost) continue;
-        double vertical = 0.0;
-        bool seen = true;
-        for (int k = 0; k < 8; ++k) {
-          // the same height on the line, seen from the reference
-          const double az_ref = grid.azimuth(first_line + k);
-          double value = 0.0;
-          const double r_ref = grid.r(2 * j) * d / place.norm();
-          seen &=
-              sample((grid.height / r_ref) * Eigen::Vector2d(std::cos(az_ref), std::sin(az_ref)),
-                     1.0, value);
-          const int line = sweep.firstLine(beam) + k;
-          vertical += capped(now.at(2 * j, line) - value, weight.at(j, line)) / 8;
-        }
-        if (!seen) continue;
-        const double floor = std::min(cost.at(j, beam) / unit, p.evidence.floor_cap);
-        sum += (floor - vertical - p.evidence.vertical_prior) * p.evidence.evidence_rows *
-               grid.r(2 * j) * 2 / p.grid.rows_per_log;
-        best = std::max(best, sum);
+/// Score of a candidate by the definition: rows and lines through the polar grid, one by one.
+class Definition : public Costs {
+ protected:
+  struct Row {
+    int j;
+    std::array<double, 8> difference;
+  };
+  /// What the rows of a support, from its contact upwards, differ by from the reference.
+  [[nodiscard]] std::vector<Row> support(int beam, int c) const {
+    const int contact = static_cast<int>(sweep.sweepRow(c));
+    const double d = sweep.distance(c), az = sweep.azimuth(beam);
+    const Eigen::Vector2d place = foot_motion * (d * Eigen::Vector2d(std::cos(az), std::sin(az)));
+    const double first_line = grid.line(std::atan2(place.y(), place.x())) - 3.5;
+    const int reach =
+        static_cast<int>(std::lround(-std::log(1 - p.grid.max_support) * p.grid.rows_per_log / 2));
+    std::vector<Row> rows;
+    for (int j = std::min(contact, sweep.rows(beam).end - 1);
+         j >= std::max(contact - reach, sweep.rows(beam).begin); --j) {
+      Row row{j, {}};
+      bool seen = true;
+      for (int k = 0; k < 8; ++k) {
+        // the same height on the line, seen from the reference
+        const double az_ref = grid.azimuth(first_line + k);
+        const double r_ref = grid.r(2 * j) * d / place.norm();
+        double value = 0.0;
+        seen &= sample((grid.height / r_ref) * Eigen::Vector2d(std::cos(az_ref), std::sin(az_ref)),
+                       1.0, value);
+        row.difference[static_cast<std::size_t>(k)] =
+            now.at(2 * j, sweep.firstLine(beam) + k) - value;
       }
-      EXPECT_NEAR(scores.score.at(c, beam), best, 1.5 + 0.04 * best) << beam << ' ' << c;
-      ++compared;
+      if (seen) rows.push_back(row);
     }
+    return rows;
   }
-  EXPECT_GT(compared, 100);
+  /// Mean difference of the lower part of a support.
+  [[nodiscard]] double brighter(const std::vector<Row>& rows, int contact) const {
+    const int reach = static_cast<int>(
+        std::lround(-std::log(1 - p.evidence.brightness_support) * p.grid.rows_per_log / 2));
+    double sum = 0.0;
+    int number = 0;
+    for (const Row& row : rows) {
+      if (row.j >= contact || row.j < contact - reach) continue;
+      for (const double difference : row.difference) sum += difference, ++number;
+    }
+    const double most = p.evidence.vertical_brightness;
+    return number > 32 ? std::clamp(sum / number, -most, most) : 0.0;
+  }
+  [[nodiscard]] double score(int beam, int c, bool brightness) const {
+    const std::vector<Row> rows = support(beam, c);
+    const double change = brightness ? brighter(rows, static_cast<int>(sweep.sweepRow(c))) : 0.0;
+    double sum = 0.0, best = 0.0;
+    for (const Row& row : rows) {
+      if (cost.at(row.j, beam) == kernels::no_cost) continue;
+      double vertical = 0.0;
+      for (int k = 0; k < 8; ++k)
+        vertical += capped(row.difference[static_cast<std::size_t>(k)] - change,
+                           weight.at(row.j, sweep.firstLine(beam) + k)) /
+                    8;
+      const double floor =
+          std::min(cost.at(row.j, beam) / double{kernels::cost_unit}, p.evidence.floor_cap);
+      sum += (floor - vertical - p.evidence.vertical_prior) * p.evidence.evidence_rows *
+             grid.r(2 * row.j) * 2 / p.grid.rows_per_log;
+      best = std::max(best, sum);
+    }
+    return best;
+  }
+  void compare(bool brightness) {
+    SweepScores scores;
+    sweep.evaluate(current, &reference, 1, 0.0F, scores);
+    int compared = 0;
+    for (int beam = 3; beam < sweep.beams(); beam += 4) {
+      for (int c = 10; c < sweep.candidates(); c += 9) {
+        const double best = score(beam, c, brightness);
+        EXPECT_NEAR(scores.score.at(c, beam), best, 1.5 + 0.04 * best) << beam << ' ' << c;
+        ++compared;
+      }
+    }
+    EXPECT_GT(compared, 100);
+  }
+};
+
+TEST_F(Definition, GivesTheScores) { compare(false); }
+
+TEST_F(Definition, GivesThoseOfSurfacesThatMayHaveBecomeBrighter) {
+  allowForBrightness();
+  compare(true);
+}
+
+TEST_F(Costs, OnlyASmallChangeOfBrightnessIsTheSameSurface) {
+  const auto best = [&](double levels) {
+    const auto change = static_cast<std::int16_t>(std::lround(levels * kernels::grey_unit));
+    for (int line = 0; line < grid.lines; ++line)
+      for (int row = 0; row < grid.sweepRows(); ++row) {
+        even.at(row, line) = static_cast<std::int16_t>(even.at(row, line) - change);
+        odd.at(row, line) = static_cast<std::int16_t>(odd.at(row, line) - change);
+      }
+    if (!reference.sums.empty()) allowForBrightness();
+    SweepScores scores;
+    sweep.evaluate(current, &reference, 1, 0.0F, scores);
+    float sum = 0.0F;
+    for (int beam = 0; beam < sweep.beams(); ++beam)
+      if (facesBox(beam))
+        sum +=
+            *std::max_element(scores.score.row(beam), scores.score.row(beam) + sweep.candidates());
+    return sum;
+  };
+  const float same = best(0.0), taken_as_it_is = best(1.0);
+  allowForBrightness();
+  const float allowed = best(0.0), too_much = best(3.0);
+  EXPECT_LT(taken_as_it_is, 0.97F * same);
+  EXPECT_GT(allowed, 1.01F * taken_as_it_is);
+  EXPECT_LT(too_much, 0.8F * allowed);
 }
 
 TEST_F(Costs, StoppingEarlyLosesNothing) {

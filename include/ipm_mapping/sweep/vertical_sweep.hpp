@@ -22,7 +22,7 @@ struct SweepReference {
   /// What it sees, as commonRows() of a beam's lines and one more, where that is less than the
   /// view.
   const std::vector<RowRange>* rows = nullptr;
-  ImageView<const std::int32_t> sums;  ///< BeamSums of even; empty: brightness is taken as it is
+  ImageView<const std::int32_t> sums{};  ///< BeamSums of even; empty: brightness is taken as it is
 
   [[nodiscard]] RowRange seen(std::size_t line, const std::vector<RowRange>& view) const {
     return rows != nullptr ? (*rows)[line] : view[line];
