@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "ipm_mapping/kernels/floor_ray.hpp"
-
 namespace ipm_mapping::sweep {
 namespace {
 
@@ -16,7 +14,6 @@ constexpr int upright = -1;  // as a slope
 constexpr double weight_unit = 256.0;
 constexpr int peak_reach = 6;       // candidates around a step that a maximum is compared with
 constexpr float peak_share = 0.5F;  // of that maximum
-constexpr int least_patch = 4;      // rows that tell a brightness
 constexpr std::int32_t any_brightness = 255 * kernels::grey_unit;
 
 }  // namespace
@@ -60,7 +57,6 @@ void VerticalSweep::configure(const PolarGrid& grid, const std::vector<RowRange>
   beam_rows_.clear();
   for (int beam = 0; beam < beams_; ++beam)
     beam_rows_.push_back(beams[static_cast<std::size_t>(firstLine(beam))]);
-  reference_rows_ = commonRows(reference_rows, kernels::beam_lines + 1);
   row_weight_.clear();
   for (int j = 0; j < grid.sweepRows(); ++j)
     row_weight_.push_back(static_cast<std::int32_t>(
@@ -76,15 +72,10 @@ void VerticalSweep::configure(const PolarGrid& grid, const std::vector<RowRange>
       gain_.size(),
       static_cast<std::uint16_t>(std::lround(p.least_vertical_cost * kernels::cost_unit)));
   vertical_cost_.resize(gain_.size());
-  inverse_distance_.clear();
+  std::vector<float> inverse_distance;
   for (int c = 0; c < candidates_; ++c)
-    inverse_distance_.push_back(static_cast<float>(candidateR(c) / grid.height));
-  inverse_distance_.resize(inverse_distance_.size() + kernels::overrun, 1.0F);
-  line_position_.resize(inverse_distance_.size());
-  row_position_.resize(inverse_distance_.size());
-  for (Places& places : places_)
-    for (auto* array : {&places.line, &places.shift, &places.line_fraction, &places.row_fraction})
-      array->resize(inverse_distance_.size());
+    inverse_distance.push_back(static_cast<float>(candidateR(c) / grid.height));
+  lines_.configure(grid, reference_rows, inverse_distance);
   tabulateLeaning();
 }
 
@@ -108,88 +99,9 @@ std::int32_t VerticalSweep::bound(const SweepReference* references, int count, i
   return most;
 }
 
-void VerticalSweep::place(const FootMotion& motion, int beam, Places& places) {
-  const double azimuth = this->azimuth(beam), c = std::cos(azimuth), s = std::sin(azimuth);
-  kernels::FloorRay ray;
-  ray.ux = static_cast<float>(motion.c * c - motion.s * s);
-  ray.uy = static_cast<float>(motion.s * c + motion.c * s);
-  ray.tx = static_cast<float>(motion.tx);
-  ray.ty = static_cast<float>(motion.ty);
-  ray.rows_per_log = static_cast<float>(grid_.rows_per_log);
-  ray.lines_per_radian = static_cast<float>(grid_.lines_per_radian);
-  ray.line_ahead = static_cast<float>(grid_.line(0.0) - half_beam);
-  kernels::rayPositions(ray, inverse_distance_.data(), candidates_, line_position_.data(),
-                        row_position_.data());
-  kernels::splitPositions(line_position_.data(), candidates_, places.line.data(),
-                          places.line_fraction.data());
-  kernels::splitPositions(row_position_.data(), candidates_, places.shift.data(),
-                          places.row_fraction.data());
-}
-
 void VerticalSweep::aimBeam(const CurrentView& current, const SweepReference* references, int count,
                             int beam) {
-  for (std::size_t q = 0; q < static_cast<std::size_t>(std::min(count, max_references)); ++q) {
-    place(references[q].motion, beam, places_[q]);
-    paths_[q].floor = references[q].floor_cost.row(beam);
-    kernels::VerticalPath& vertical = paths_[q].vertical;
-    vertical.stride = grid_.sweepRows();
-    vertical.current = current.grey.row(firstLine(beam));
-    vertical.weight = current.weight.row(firstLine(beam));
-  }
-  sums_ = current.sums.empty() ? nullptr : current.sums.row(beam);
-}
-
-/// A candidate's vertical line in one reference, on the rows of its support that are seen there.
-void VerticalSweep::aim(const SweepReference& reference, const Places& places,
-                        std::size_t candidate, RowRange support, kernels::EvidencePath& path) {
-  const std::int32_t line = places.line[candidate], shift = places.shift[candidate];
-  path.begin = path.end = 0;
-  if (line < 0 || line >= static_cast<int>(reference_rows_.size())) return;
-  const RowRange seen = reference.seen(static_cast<std::size_t>(line), reference_rows_);
-  // fine row 2 j + shift and the one after it have to be in view
-  path.begin = std::max(support.begin, (seen.begin - shift + 1) >> 1);
-  path.end = std::min(support.end, (seen.end - shift) >> 1);
-  const int half = shift >> 1;
-  const bool odd = (shift & 1) != 0;
-  kernels::VerticalPath& vertical = path.vertical;
-  vertical.upper = (odd ? reference.odd : reference.even).row(line) + half;
-  vertical.lower = (odd ? reference.even : reference.odd).row(line) + half + (odd ? 1 : 0);
-  vertical.row_fraction = static_cast<std::int16_t>(places.row_fraction[candidate]);
-  vertical.line_fraction = static_cast<std::int16_t>(places.line_fraction[candidate]);
-}
-
-/// A candidate's line in every reference.
-void VerticalSweep::aim(const SweepReference* references, int count, int candidate,
-                        RowRange support) {
-  const auto c = static_cast<std::size_t>(std::clamp(candidate, 0, candidates_ - 1));
-  for (std::size_t q = 0; q < static_cast<std::size_t>(count); ++q)
-    aim(references[q], places_[q], c, support, paths_[q]);
-}
-
-/// The surface that a candidate was aimed at may have become brighter or darker by so much, as a
-/// patch of it shows. Mirror images change more.
-void VerticalSweep::allowForBrightness(const SweepReference* references, int count, int candidate,
-                                       RowRange patch, std::int32_t most) {
-  const auto c = static_cast<std::size_t>(std::clamp(candidate, 0, candidates_ - 1));
-  for (std::size_t q = 0; q < static_cast<std::size_t>(count); ++q) {
-    kernels::EvidencePath& path = paths_[q];
-    path.vertical.brighter = 0;
-    const RowRange rows = intersection(patch, {path.begin, path.end - 1});
-    if (references[q].sums.empty() || rows.size() < least_patch) continue;
-    const Places& places = places_[q];
-    const std::int32_t shift = places.shift[c];
-    const BeamPatch before{rows.begin,
-                           rows.end,
-                           places.line[c],
-                           places.line_fraction[c],
-                           shift >> 1,  // an even row is two fine ones
-                           ((shift & 1) * (1 << 15) + places.row_fraction[c]) / 2};
-    const float brighter = (static_cast<float>(sums_[rows.end] - sums_[rows.begin]) -
-                            sumOf(references[q].sums, before)) /
-                           static_cast<float>(kernels::beam_lines * rows.size());
-    path.vertical.brighter =
-        static_cast<std::int16_t>(std::clamp(static_cast<std::int32_t>(brighter), -most, most));
-  }
+  lines_.aimBeam(current, references, std::min(count, max_references), beam, firstLine(beam));
 }
 
 /// How many candidates farther a surface that leans away is met on a row than at its contact: with
@@ -231,11 +143,11 @@ float VerticalSweep::scoreOf(const SweepReference* references, int count, int be
     const int farther = leans ? farther_[static_cast<std::size_t>(slope)].at(
                                     contact - (part.begin + end) / 2, candidate)
                               : 0;
-    aim(references, count, candidate - farther, support);
+    lines_.aim(references, count, candidate - farther, support);
     if (brightness_ > 0 && end == support.end)
-      allowForBrightness(references, count, candidate - farther,
-                         {contact - brightness_rows_, contact}, brightness_);
-    kernels::climbSupport(paths_.data(), count, terms, part.begin, part.end, support.begin, least,
+      lines_.allowForBrightness(references, count, candidate - farther,
+                                {contact - brightness_rows_, contact}, brightness_);
+    kernels::climbSupport(lines_.paths(), count, terms, part.begin, part.end, support.begin, least,
                           climb);
   }
   if (climb.best < least) return 0.0F;
@@ -263,12 +175,13 @@ float VerticalSweep::evidence(const SweepReference* references, int count, int b
                               RowRange part) {
   count = std::min(count, max_references);
   const RowRange support = intersection(rows(beam), part);
-  aim(references, count, candidate, support);
-  if (brightness_ > 0) allowForBrightness(references, count, candidate, support, any_brightness);
+  lines_.aim(references, count, candidate, support);
+  if (brightness_ > 0)
+    lines_.allowForBrightness(references, count, candidate, support, any_brightness);
   std::fill_n(gain_.begin(), support.size() + kernels::overrun, 0);
   int compared = 0;
   for (std::size_t q = 0; q < static_cast<std::size_t>(count); ++q) {
-    const kernels::EvidencePath& path = paths_[q];
+    const kernels::EvidencePath& path = lines_.paths()[q];
     const int n = path.end - path.begin;
     if (n <= 0) continue;
     compared += n;

@@ -6,28 +6,12 @@
 
 #include "ipm_mapping/image_view.hpp"
 #include "ipm_mapping/kernels/sweep_costs.hpp"
-#include "ipm_mapping/sweep/beam_sums.hpp"
+#include "ipm_mapping/sweep/candidate_lines.hpp"
 #include "ipm_mapping/sweep/floor_cost.hpp"
-#include "ipm_mapping/sweep/foot_motion.hpp"
 #include "ipm_mapping/sweep/polar_grid.hpp"
 #include "ipm_mapping/sweep/score_grid.hpp"
 
 namespace ipm_mapping::sweep {
-
-/// A reference view on the sweep rows, brightness already that of the current view.
-struct SweepReference {
-  ImageView<const std::int16_t> even, odd;    ///< fine rows 2j and 2j + 1
-  ImageView<const std::uint16_t> floor_cost;  ///< sweepRows x beams
-  FootMotion motion;
-  /// What it sees, as commonRows() of a beam's lines and one more, where that is less than the
-  /// view.
-  const std::vector<RowRange>* rows = nullptr;
-  ImageView<const std::int32_t> sums{};  ///< BeamSums of even; empty: brightness is taken as it is
-
-  [[nodiscard]] RowRange seen(std::size_t line, const std::vector<RowRange>& view) const {
-    return rows != nullptr ? (*rows)[line] : view[line];
-  }
-};
 
 /// Scores of every candidate contact of every beam.
 struct SweepScores {
@@ -45,7 +29,7 @@ struct SweepScores {
 /// absorb stands nearer than the view.
 class VerticalSweep {
  public:
-  static constexpr int max_references = 2;
+  static constexpr int max_references = CandidateLines::max_references;
   /// Of surfaces that lean away from the camera, metres away per metre of height.
   static constexpr std::array<double, 3> lean_slopes{0.2, 0.35, 0.6};
 
@@ -87,18 +71,7 @@ class VerticalSweep {
   [[nodiscard]] RowRange rows(int beam) const { return beam_rows_[static_cast<std::size_t>(beam)]; }
 
  private:
-  /// Where the candidates' vertical lines lie in a reference: first line, and by how many fine rows
-  /// they are moved; fractions in 1/2^15.
-  struct Places {
-    std::vector<std::int32_t> line, shift, line_fraction, row_fraction;
-  };
   std::int32_t bound(const SweepReference* references, int count, int beam);
-  void place(const FootMotion& motion, int beam, Places& places);
-  void aim(const SweepReference& reference, const Places& places, std::size_t candidate,
-           RowRange support, kernels::EvidencePath& path);
-  void aim(const SweepReference* references, int count, int candidate, RowRange support);
-  void allowForBrightness(const SweepReference* references, int count, int candidate,
-                          RowRange patch, std::int32_t most);
   [[nodiscard]] double candidateR(int candidate) const {
     return row_r_[static_cast<std::size_t>(first_row_ + candidate)];
   }
@@ -116,9 +89,7 @@ class VerticalSweep {
   std::int32_t floor_cap_ = 0, prior_ = 0;
   std::int32_t brightness_ = 0;                // most that a surface's may change, 1/32 grey levels
   int brightness_rows_ = 0;                    // above the contact, that tell it
-  const std::int32_t* sums_ = nullptr;         // current, of the aimed beam
   std::vector<RowRange> beam_rows_;            // current: sweep rows, eight lines
-  std::vector<RowRange> reference_rows_;       // reference: fine rows, nine lines from each line on
   std::vector<std::int32_t> row_weight_;       // w(row) in 1/256
   std::vector<double> row_r_;                  // of every sweep row, also below the view
   std::vector<std::int32_t> bound_;            // most that a support ending at a row can gain
@@ -126,12 +97,9 @@ class VerticalSweep {
   std::vector<std::int32_t> gain_;             // most that each row can gain
   std::vector<std::uint16_t> least_vertical_;  // cost of a row
   std::vector<std::uint16_t> vertical_cost_;
-  std::vector<float> inverse_distance_;              // of every candidate, 1/m
-  std::vector<float> line_position_, row_position_;  // of the candidates of a beam
   /// fartherBy() of every slope: rows above the contact x candidates.
   std::array<Image<std::int16_t>, lean_slopes.size()> farther_;
-  std::array<Places, max_references> places_;
-  std::array<kernels::EvidencePath, max_references> paths_;
+  CandidateLines lines_;
 };
 
 }  // namespace ipm_mapping::sweep
