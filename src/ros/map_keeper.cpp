@@ -1,5 +1,6 @@
 #include "ipm_mapping/ros/map_keeper.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <stdexcept>
 
@@ -55,6 +56,8 @@ std::optional<std::string> MapKeeper::loadInitialMap() {
     return "initial_map '" + path + "' is not there: the map starts empty";
   TrinaryMap map;
   if (const auto error = loadMap(path, map)) throw std::runtime_error("initial_map: " + *error);
+  const bool empty = std::all_of(map.cells.begin(), map.cells.end(), [](auto c) { return c < 0; });
+  if (empty) return std::nullopt;  // it would bind the map to where it lies
   if (const auto error = map_.load(map)) throw std::runtime_error("initial_map: " + *error);
   return std::nullopt;
 }

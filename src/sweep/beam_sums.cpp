@@ -1,16 +1,18 @@
 #include "ipm_mapping/sweep/beam_sums.hpp"
 
-#include <algorithm>
-
 #include "ipm_mapping/kernels/sweep_costs.hpp"
 
 namespace ipm_mapping::sweep {
 
-void BeamSums::evaluate(ImageView<const std::int16_t> plane, int step) {
-  const int first_lines = std::max(0, (plane.height - kernels::beam_lines) / step + 1);
-  sums_.ensure(plane.width + 1, first_lines);
-  for (int line = 0; line < first_lines; ++line)
-    kernels::sumBeam(plane.row(line * step), plane.stride, plane.width, sums_.row(line));
+void BeamSums::configure(int rows, int lines, int step) {
+  step_ = step;
+  const int beams = lines < kernels::beam_lines ? 0 : (lines - kernels::beam_lines) / step + 1;
+  sums_.resize(rows + 1, beams);
+}
+
+void BeamSums::evaluate(ImageView<const std::int16_t> plane) {
+  for (int beam = 0; beam < sums_.height(); ++beam)
+    kernels::sumBeam(plane.row(beam * step_), plane.stride, plane.width, sums_.row(beam));
 }
 
 }  // namespace ipm_mapping::sweep

@@ -9,7 +9,6 @@ namespace ipm_mapping::sweep {
 namespace {
 
 constexpr double half_beam = 0.5 * (kernels::beam_lines - 1);
-constexpr int least_patch = 4;  // rows that tell a brightness
 
 }  // namespace
 
@@ -59,6 +58,7 @@ void CandidateLines::aimBeam(const CurrentView& current, const SweepReference* r
     vertical.stride = grid_.sweepRows();
     vertical.current = current.grey.row(first_line);
     vertical.weight = current.weight.row(first_line);
+    vertical.brighter = 0;
   }
   sums_ = current.sums.empty() ? nullptr : current.sums.row(beam);
 }

@@ -15,6 +15,8 @@ constexpr int block = 8;               // rows and lines between exact positions
 constexpr float node_unit = 1024.0F;   // of positions at nodes
 constexpr double fixed_one = 16384.0;  // of gain and offset
 constexpr double least_gain = 0.5, most_gain = 1.5;
+constexpr double node_reach = 0.3;                // radians that nodes may lie beside the view
+constexpr std::int32_t out_of_view = -(1 << 26);  // nothing between it and the view is seen
 
 }  // namespace
 
@@ -60,7 +62,8 @@ void FloorCost::configure(const PolarGrid& grid, const std::vector<RowRange>& re
   squares_.resize(n);
 }
 
-/// Exact reference positions of the floor on a coarse lattice of rows and lines.
+/// Exact reference positions of the floor on a coarse lattice of rows and lines. Where they run
+/// around the reference's foot, or wrap around behind it, nothing lies between two of them.
 void FloorCost::buildNodes(const FootMotion& motion) {
   kernels::FloorRay ray;
   ray.tx = static_cast<float>(motion.tx);
@@ -68,6 +71,7 @@ void FloorCost::buildNodes(const FootMotion& motion) {
   ray.rows_per_log = static_cast<float>(grid_.rows_per_log);
   ray.lines_per_radian = static_cast<float>(grid_.lines_per_radian);
   ray.line_ahead = static_cast<float>(grid_.line(0.0));
+  const auto reach = static_cast<float>(node_reach * grid_.lines_per_radian);
   for (int l = 0; l < node_lines_; ++l) {
     const double azimuth = grid_.azimuth(l * block), c = std::cos(azimuth), s = std::sin(azimuth);
     ray.ux = static_cast<float>(motion.c * c - motion.s * s);
@@ -78,7 +82,9 @@ void FloorCost::buildNodes(const FootMotion& motion) {
       const auto i = static_cast<std::size_t>(k);
       const auto row = static_cast<float>(k * block * PolarGrid::rows_per_sweep_row);
       row_nodes_.at(k, l) = static_cast<std::int32_t>(node_unit * (row + row_position_[i]));
-      line_nodes_.at(k, l) = static_cast<std::int32_t>(node_unit * line_position_[i]);
+      const float line = line_position_[i];
+      const bool beside = line < -reach || line > static_cast<float>(grid_.lines) + reach;
+      line_nodes_.at(k, l) = beside ? out_of_view : static_cast<std::int32_t>(node_unit * line);
     }
   }
 }

@@ -27,8 +27,10 @@ bool SweepDetector::adopt(const Detector& before) {
   const auto* other = dynamic_cast<const SweepDetector*>(&before);
   if (other == nullptr || other->camera_.width() == 0) return false;
   setCamera(other->camera_, other->T_base_stated_);
-  if (calibration_.adopt(other->calibration_) && calibration_mode_ == CalibrationMode::Apply)
-    rectifyWith(other->calibration_.inForce());
+  const CalibrationVector& in_force = other->calibration_.inForce();
+  if (calibration_.adopt(other->calibration_) && calibration_mode_ == CalibrationMode::Apply &&
+      !in_force.isZero())
+    rectifyWith(in_force);
   free_floor_.adopt(other->free_floor_);
   T_odom_last_ = other->T_odom_last_;
   T_floor_last_ = other->T_floor_last_;

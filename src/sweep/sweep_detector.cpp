@@ -63,10 +63,12 @@ void SweepDetector::configure(const CameraPose& T_base_camera) {
   current_grey_.resize(grid_.sweepRows(), grid_.lines);
   current_odd_.resize(grid_.sweepRows(), grid_.lines);
   weight_.resize(grid_.sweepRows(), grid_.lines);
+  current_sums_.configure(grid_.sweepRows(), grid_.lines, parameters_.evidence.beam_step);
   for (Planes& planes : planes_) {
     planes.even.resize(grid_.sweepRows(), grid_.lines);
     planes.odd.resize(grid_.sweepRows(), grid_.lines);
     planes.floor_cost.resize(grid_.sweepRows(), sweep_.beams());
+    planes.sums.configure(grid_.sweepRows(), grid_.lines);
   }
   for (Steadied& steady : steady_) {
     steady.image.resize(grid_.rows, grid_.lines);
@@ -194,7 +196,7 @@ void SweepDetector::splitCurrent() {
   for (int line = 0; line < grid_.lines; ++line)
     kernels::splitRows(current_.image.row(line), Photometric{}.fixedGain(), 0, grid_.sweepRows(),
                        current_grey_.row(line), current_odd_.row(line));
-  current_sums_.evaluate(current_grey_.view(), parameters_.evidence.beam_step);
+  current_sums_.evaluate(current_grey_.view());
   noise_.evaluate(current_grey_.view(), current_odd_.view(), weight_.view());
   lap("noise_model");
 }

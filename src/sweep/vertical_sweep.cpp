@@ -51,8 +51,9 @@ void VerticalSweep::configure(const PolarGrid& grid, const std::vector<RowRange>
   floor_cap_ = static_cast<std::int32_t>(std::lround(p.floor_cap * kernels::cost_unit));
   prior_ = static_cast<std::int32_t>(std::lround(p.vertical_prior * kernels::cost_unit));
   brightness_ = static_cast<std::int32_t>(std::lround(p.vertical_brightness * kernels::grey_unit));
-  brightness_rows_ =
-      static_cast<int>(std::lround(-std::log(1.0 - p.brightness_support) * sweep_rows_per_log));
+  brightness_rows_ = std::max(
+      CandidateLines::least_patch + 1,
+      static_cast<int>(std::lround(-std::log(1.0 - p.brightness_support) * sweep_rows_per_log)));
   const std::vector<RowRange> beams = commonRows(current_rows, kernels::beam_lines);
   beam_rows_.clear();
   for (int beam = 0; beam < beams_; ++beam)
@@ -128,6 +129,7 @@ void VerticalSweep::tabulateLeaning() {
 
 /// Score of one candidate, block by block upward from the contact. It stops where even the whole
 /// gain that the floor's cost still offers above cannot raise the score: nothing is lost by that.
+/// The brightness of a leaning surface is taken from the upright patch at its foot.
 float VerticalSweep::scoreOf(const SweepReference* references, int count, int beam, int candidate,
                              int slope, std::int32_t least, std::int16_t& top) {
   const int contact = first_row_ + candidate;
@@ -176,8 +178,7 @@ float VerticalSweep::evidence(const SweepReference* references, int count, int b
   count = std::min(count, max_references);
   const RowRange support = intersection(rows(beam), part);
   lines_.aim(references, count, candidate, support);
-  if (brightness_ > 0)
-    lines_.allowForBrightness(references, count, candidate, support, any_brightness);
+  lines_.allowForBrightness(references, count, candidate, support, any_brightness);
   std::fill_n(gain_.begin(), support.size() + kernels::overrun, 0);
   int compared = 0;
   for (std::size_t q = 0; q < static_cast<std::size_t>(count); ++q) {

@@ -42,6 +42,7 @@ class Patches : public ::testing::Test {
 
 TEST_F(Patches, AreSummedBetweenRowsAndLines) {
   BeamSums sums;
+  sums.configure(rows, lines);
   sums.evaluate(plane.view());
   for (const BeamPatch& p : {BeamPatch{3, 30, 5, 0, 0, 0}, BeamPatch{10, 14, 0, 20000, -7, 9000},
                              BeamPatch{0, 20, 31, 32767, 39, 16384}, BeamPatch{8, 9, 17, 1, 2, 1}})
@@ -50,8 +51,10 @@ TEST_F(Patches, AreSummedBetweenRowsAndLines) {
 
 TEST_F(Patches, OfEveryStepthLineBeginThere) {
   BeamSums every, some;
+  every.configure(rows, lines);
+  some.configure(rows, lines, 6);
   every.evaluate(plane.view());
-  some.evaluate(plane.view(), 6);
+  some.evaluate(plane.view());
   ASSERT_EQ(some.view().height, 6) << "lines 0, 6 ... 30";
   for (int beam = 0; beam < some.view().height; ++beam)
     for (int row = 0; row <= rows; ++row)
@@ -59,9 +62,12 @@ TEST_F(Patches, OfEveryStepthLineBeginThere) {
 }
 
 TEST_F(Patches, OfAPlaneNarrowerThanABeamAreNone) {
-  BeamSums sums;
-  sums.evaluate({plane.row(0), rows, kernels::beam_lines - 1, plane.view().stride});
-  EXPECT_EQ(sums.view().height, 0);
+  for (const int step : {1, 6}) {
+    BeamSums sums;
+    sums.configure(rows, kernels::beam_lines - 1, step);
+    sums.evaluate({plane.row(0), rows, kernels::beam_lines - 1, plane.view().stride});
+    EXPECT_EQ(sums.view().height, 0);
+  }
 }
 
 }  // namespace

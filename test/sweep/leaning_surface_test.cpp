@@ -56,6 +56,7 @@ TEST(LeaningSurface, ItsFootIsFoundWhereAnUprightOneIsSeenBehindIt) {
   ASSERT_GT(found.size(), 5U);
   EXPECT_GT(medianOf(behind), 0.03);
   EXPECT_LT(std::abs(medianOf(found)), 0.02);
+  EXPECT_LT(std::abs(medianOf(feetOf(0.35, withoutEdge()))), 0.01);
 }
 
 TEST(LeaningSurface, AnUprightWallStaysWhereItIs) {

@@ -33,6 +33,7 @@ class PlainWall : public ::testing::Test {
     odd.resize(grid.sweepRows(), grid.lines, std::int16_t{wall_grey * kernels::grey_unit});
     cost.resize(grid.sweepRows(), sweep.beams(), std::uint16_t{0});
     paint(0, sweep.beams() - 1, wall_grey);
+    before_sums.configure(grid.sweepRows(), grid.lines);
     before_sums.evaluate(even.view());
   }
   /// The wall as some beams see it.
@@ -62,7 +63,8 @@ class PlainWall : public ::testing::Test {
               static_cast<std::int16_t>(kernels::grey_unit * (wall_grey + grain(random)));
   }
   [[nodiscard]] CurrentView current() {
-    sums.evaluate(grey.view(), sweep.firstLine(1));
+    sums.configure(grid.sweepRows(), grid.lines, sweep.firstLine(1));
+    sums.evaluate(grey.view());
     return {grey.view(), weight.view(), &rows, sums.view()};
   }
   [[nodiscard]] SweepReference reference() const {

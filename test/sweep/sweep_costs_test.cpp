@@ -56,7 +56,9 @@ class Costs : public ::testing::Test {
   }
   /// The brightness of upright surfaces may change from here on.
   void allowForBrightness() {
-    now_sums.evaluate(grey.view(), p.evidence.beam_step);
+    now_sums.configure(grid.sweepRows(), grid.lines, p.evidence.beam_step);
+    before_sums.configure(grid.sweepRows(), grid.lines);
+    now_sums.evaluate(grey.view());
     before_sums.evaluate(even.view());
     current.sums = now_sums.view();
     reference.sums = before_sums.view();
@@ -125,6 +127,47 @@ int meanAround(const PolarGrid& grid, ImageView<const std::int16_t> residual,
          ++j)
       if (residual.at(j, l) != kernels::no_residual) sum += residual.at(j, l), ++number;
   return static_cast<int>(static_cast<float>(sum) / static_cast<float>(std::max(number, 1)));
+}
+
+/// A camera that looks down steeply and a robot that reverses: near floor lies behind the
+/// reference.
+TEST(FloorCostBackwards, OnlyWhatTheReferenceSeesIsCompared) {
+  const SweepParameters p = test::smallParameters();
+  const CameraModel camera(Intrinsics{160, 120, 131.0, 131.0, 79.5, 59.5}, {});
+  const CameraPose T_base_camera = cameraPose(0.05, 0.0, 0.45, 0.9);
+  const PolarGrid grid = makePolarGrid(camera, T_base_camera, p.grid, 2.0);
+  CylindricalRectification rectification;
+  rectification.configure(camera, T_base_camera, grid);
+  const std::vector<RowRange>& seen = rectification.ranges();
+  std::vector<RowRange> rows = seen;
+  for (RowRange& range : rows) range = {(range.begin + 1) / 2, range.end / 2};
+  VerticalSweep sweep;
+  sweep.configure(grid, seen, rows, p.grid.max_support, p.evidence);
+  FloorCost floor_cost;
+  floor_cost.configure(grid, seen, p.evidence);
+  const Image<std::int16_t> grey(grid.sweepRows(), grid.lines, std::int16_t{3200});
+  const Image<std::uint16_t> weight(grid.sweepRows(), grid.lines, std::uint16_t{20000});
+  const Image<std::uint8_t> before(grid.rows, grid.lines, std::uint8_t{100});
+  Image<std::uint16_t> cost(grid.sweepRows(), sweep.beams());
+  for (const SE2& motion : {SE2{-0.4, 0.0, 0.0}, SE2{-0.3, 0.02, 0.1}, SE2{-0.7, 0.0, -0.3}}) {
+    const FootMotion foot_motion{motion, Eigen::Vector2d(0.05, 0.0)};
+    floor_cost.evaluate({grey.view(), weight.view(), &rows}, before.view(), foot_motion, {},
+                        cost.view());
+    for (int line = 0; line < grid.lines; ++line) {
+      for (int j = 0; j < grid.sweepRows(); ++j) {
+        if (floor_cost.residual().at(j, line) == kernels::no_residual) continue;
+        const double az = grid.azimuth(line), d = grid.distance(2 * j);
+        const Eigen::Vector2d q = foot_motion * (d * Eigen::Vector2d(std::cos(az), std::sin(az)));
+        const double there = grid.line(std::atan2(q.y(), q.x()));
+        ASSERT_GE(there, -1.0) << j << ' ' << line;
+        ASSERT_LE(there, grid.lines) << j << ' ' << line;
+        const RowRange rows_there =
+            seen[static_cast<std::size_t>(std::clamp(there, 0.0, grid.lines - 1.0))];
+        ASSERT_GE(grid.row(q.norm()), rows_there.begin - 8.0) << j << ' ' << line;
+        ASSERT_LE(grid.row(q.norm()), rows_there.end + 8.0) << j << ' ' << line;
+      }
+    }
+  }
 }
 
 TEST_F(Costs, FloorCostIsTheSumOverTheLinesOfABeamOrNone) {
@@ -200,7 +243,6 @@ TEST_F(Costs, FloorIsCheapAndTheBoxIsNot) {
   EXPECT_LT(on_floor / floor_rows, 0.6 * kernels::cost_unit);
   EXPECT_GT(on_box / box_rows, 2.0 * on_floor / floor_rows);
 }
-
 /// The definition of the score, in floating point, one candidate at a time.
 /// Score of a candidate by the definition: rows and lines through the polar grid, one by one.
 class Definition : public Costs {

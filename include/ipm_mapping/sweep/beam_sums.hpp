@@ -10,13 +10,16 @@ namespace ipm_mapping::sweep {
 /// before each row: the mean brightness of any upright patch in a few reads.
 class BeamSums {
  public:
-  /// `plane` is rows x lines, 1/32 grey levels. Sums begin at every step-th line.
-  void evaluate(ImageView<const std::int16_t> plane, int step = 1);
+  /// For planes of so many rows and lines; sums begin at every step-th line.
+  void configure(int rows, int lines, int step = 1);
+  /// `plane` in 1/32 grey levels.
+  void evaluate(ImageView<const std::int16_t> plane);
 
   [[nodiscard]] ImageView<const std::int32_t> view() const { return sums_.view(); }
 
  private:
   Image<std::int32_t> sums_;  // rows + 1 x first lines
+  int step_ = 1;
 };
 
 /// A patch of a plane: rows begin ... end - 1 of the lines of a beam, all of it moved by whole

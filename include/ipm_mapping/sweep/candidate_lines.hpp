@@ -33,6 +33,7 @@ struct SweepReference {
 class CandidateLines {
  public:
   static constexpr int max_references = 2;
+  static constexpr int least_patch = 4;  ///< rows that tell a brightness
 
   /// `reference_rows` of the fine rows; `inverse_distance` of every candidate, 1/m.
   void configure(const PolarGrid& grid, const std::vector<RowRange>& reference_rows,

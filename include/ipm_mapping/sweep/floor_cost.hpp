@@ -24,7 +24,7 @@ struct CurrentView {
   ImageView<const std::int16_t> grey;           ///< sweepRows x lines, 1/32 grey levels
   ImageView<const std::uint16_t> weight;        ///< of the noise model
   const std::vector<RowRange>* rows = nullptr;  ///< valid sweep rows of each line
-  ImageView<const std::int32_t> sums{};           ///< BeamSums of grey, one of every beam
+  ImageView<const std::int32_t> sums{};         ///< BeamSums of grey, one of every beam
 };
 
 /// Does this column look like floor? The reference is warped over the floor; per pixel
