@@ -1,16 +1,8 @@
 #include "ipm_mapping/sweep/candidate_lines.hpp"
 
 #include <algorithm>
-#include <cmath>
-
-#include "ipm_mapping/kernels/floor_ray.hpp"
 
 namespace ipm_mapping::sweep {
-namespace {
-
-constexpr double half_beam = 0.5 * (kernels::beam_lines - 1);
-
-}  // namespace
 
 void CandidateLines::configure(const PolarGrid& grid, const std::vector<RowRange>& reference_rows,
                                const std::vector<float>& inverse_distance) {
@@ -31,15 +23,7 @@ std::size_t CandidateLines::within(int candidate) const {
 }
 
 void CandidateLines::place(const FootMotion& motion, double azimuth, Places& places) {
-  const double c = std::cos(azimuth), s = std::sin(azimuth);
-  kernels::FloorRay ray;
-  ray.ux = static_cast<float>(motion.c * c - motion.s * s);
-  ray.uy = static_cast<float>(motion.s * c + motion.c * s);
-  ray.tx = static_cast<float>(motion.tx);
-  ray.ty = static_cast<float>(motion.ty);
-  ray.rows_per_log = static_cast<float>(grid_.rows_per_log);
-  ray.lines_per_radian = static_cast<float>(grid_.lines_per_radian);
-  ray.line_ahead = static_cast<float>(grid_.line(0.0) - half_beam);
+  const kernels::FloorRay ray = floorRay(grid_, motion, azimuth, half_beam);
   kernels::rayPositions(ray, inverse_distance_.data(), candidates_, line_position_.data(),
                         row_position_.data());
   kernels::splitPositions(line_position_.data(), candidates_, places.line.data(),

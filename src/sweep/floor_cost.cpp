@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ipm_mapping/kernels/floor_ray.hpp"
 #include "ipm_mapping/kernels/floor_residual.hpp"
 #include "ipm_mapping/kernels/sweep_costs.hpp"
 #include "ipm_mapping/kernels/sweep_rectify.hpp"
@@ -65,17 +64,9 @@ void FloorCost::configure(const PolarGrid& grid, const std::vector<RowRange>& re
 /// Exact reference positions of the floor on a coarse lattice of rows and lines. Where they run
 /// around the reference's foot, or wrap around behind it, nothing lies between two of them.
 void FloorCost::buildNodes(const FootMotion& motion) {
-  kernels::FloorRay ray;
-  ray.tx = static_cast<float>(motion.tx);
-  ray.ty = static_cast<float>(motion.ty);
-  ray.rows_per_log = static_cast<float>(grid_.rows_per_log);
-  ray.lines_per_radian = static_cast<float>(grid_.lines_per_radian);
-  ray.line_ahead = static_cast<float>(grid_.line(0.0));
   const auto reach = static_cast<float>(node_reach * grid_.lines_per_radian);
   for (int l = 0; l < node_lines_; ++l) {
-    const double azimuth = grid_.azimuth(l * block), c = std::cos(azimuth), s = std::sin(azimuth);
-    ray.ux = static_cast<float>(motion.c * c - motion.s * s);
-    ray.uy = static_cast<float>(motion.s * c + motion.c * s);
+    const kernels::FloorRay ray = floorRay(grid_, motion, grid_.azimuth(l * block));
     kernels::rayPositions(ray, inverse_distance_.data(), node_rows_, line_position_.data(),
                           row_position_.data());
     for (int k = 0; k < node_rows_; ++k) {

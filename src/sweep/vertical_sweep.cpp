@@ -8,7 +8,6 @@ namespace ipm_mapping::sweep {
 namespace {
 
 constexpr double below_view = 1.25;  // candidates reach this far below the image, in r
-constexpr double half_beam = 0.5 * (kernels::beam_lines - 1);
 constexpr int leaning_block_rows = 8;
 constexpr int upright = -1;  // as a slope
 constexpr double weight_unit = 256.0;

@@ -13,6 +13,8 @@
 
 namespace ipm_mapping::sweep {
 
+inline constexpr double half_beam = 0.5 * (kernels::beam_lines - 1);  ///< lines to its middle
+
 /// A reference view on the sweep rows, brightness already that of the current view.
 struct SweepReference {
   ImageView<const std::int16_t> even, odd;    ///< fine rows 2j and 2j + 1
