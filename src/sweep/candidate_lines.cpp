@@ -98,4 +98,8 @@ void CandidateLines::allowForBrightness(const SweepReference* references, int co
   }
 }
 
+void CandidateLines::sameBrightness(int count) {
+  for (std::size_t q = 0; q < static_cast<std::size_t>(count); ++q) paths_[q].vertical.brighter = 0;
+}
+
 }  // namespace ipm_mapping::sweep

@@ -7,9 +7,9 @@ namespace ipm_mapping::sweep {
 namespace {
 
 constexpr std::size_t most_remembered = 512;
-constexpr double least_height = 0.05;  // metres: the floor is seen over lower things
-constexpr double seen_again = 1.05;    // of the near end of the view
-constexpr double flicker = 1.0;        // seconds for which a contact in view may go unseen
+constexpr int beside = 2;            // beams between contacts of one thing
+constexpr double seen_again = 1.05;  // of the near end of the view
+constexpr double flicker = 1.0;      // seconds for which a contact in view may go unseen
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
@@ -26,6 +26,15 @@ int bearingAt(const std::vector<Bearing>& bearings, double angle) {
   const double i = wrapAngle(angle - first) / step;
   if (i < -0.5 || i > static_cast<double>(bearings.size()) - 0.5) return -1;
   return static_cast<int>(std::lround(i));
+}
+
+void block(std::vector<Bearing>& bearings, int a, int b) {
+  for (int i = std::min(a, b); i <= std::max(a, b); ++i) {
+    Bearing& bearing = bearings[static_cast<std::size_t>(i)];
+    if (bearing.state != BearingState::Free && bearing.state != BearingState::Unknown) continue;
+    bearing.state = BearingState::Blocked;
+    bearing.range = 0.0F;
+  }
 }
 
 void shorten(Bearing& bearing, double range) {
@@ -87,12 +96,11 @@ void FreeFloor::belowTheView(const SE2& T_floor_base, Obstacles& obstacles) {
     const Eigen::Vector2d p = T_base_floor * point.p_floor - foot;
     const int i = bearingAt(obstacles.bearings, std::atan2(p.y(), p.x()));
     if (i < 0) return false;
-    Bearing& bearing = obstacles.bearings[static_cast<std::size_t>(i)];
-    if (p.norm() > seen_again * bearing.near) return age > flicker;
-    if (bearing.state == BearingState::Free || bearing.state == BearingState::Unknown) {
-      bearing.state = BearingState::Blocked;
-      bearing.range = 0.0F;
-    }
+    if (p.norm() > seen_again * obstacles.bearings[static_cast<std::size_t>(i)].near)
+      return age > flicker;
+    const Eigen::Vector2d q = T_base_floor * point.next_floor - foot;
+    const int j = bearingAt(obstacles.bearings, std::atan2(q.y(), q.x()));
+    block(obstacles.bearings, i, j < 0 ? i : j);
     return false;
   };
   remembered_.erase(std::remove_if(remembered_.begin(), remembered_.end(), gone),
@@ -100,12 +108,19 @@ void FreeFloor::belowTheView(const SE2& T_floor_base, Obstacles& obstacles) {
 }
 
 void FreeFloor::remember(const SE2& T_floor_base, const Obstacles& obstacles) {
-  for (const Contact& contact : obstacles.contacts) {
+  const std::vector<Contact>& contacts = obstacles.contacts;
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    const Contact& contact = contacts[k];
     const Bearing& bearing = obstacles.bearings[static_cast<std::size_t>(contact.bearing)];
-    if (contact.height < least_height || bearing.range > 2.0F * bearing.near) continue;
+    if (bearing.range > 2.0F * bearing.near) continue;
+    const Contact& next = contacts[std::min(k + 1, contacts.size() - 1)];
+    const bool goes_on = next.bearing <= contact.bearing + beside &&
+                         (next.p_base - contact.p_base).norm() < parameters_.free_gap;
     if (remembered_.size() == most_remembered) remembered_.erase(remembered_.begin());
     remembered_.push_back(
-        {T_floor_base * Eigen::Vector2d(contact.p_base.cast<double>()), obstacles.view.stamp});
+        {T_floor_base * Eigen::Vector2d(contact.p_base.cast<double>()),
+         T_floor_base * Eigen::Vector2d((goes_on ? next : contact).p_base.cast<double>()),
+         obstacles.view.stamp});
   }
 }
 

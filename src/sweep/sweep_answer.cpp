@@ -1,6 +1,7 @@
 // What the sweep found, as the message that everybody reads.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "ipm_mapping/geometry/vanishing_point.hpp"
 #include "ipm_mapping/kernels/sweep_costs.hpp"
@@ -101,6 +102,17 @@ Bearing SweepDetector::floorBearing(int beam) const {
   return bearing;
 }
 
+/// Distance of the nearest candidate in view that may be an obstacle, published or not; infinite
+/// where there is none.
+double SweepDetector::doubtfulDistance(int beam) const {
+  const float* s = scores_.score.row(beam);
+  const auto share = static_cast<float>(parameters_.selection.weak_share);
+  const int in_view = sweep_.rows(beam).end - static_cast<int>(sweep_.sweepRow(0.0));
+  for (int c = std::min(in_view, sweep_.candidates()) - 1; c >= 0; --c)
+    if (s[c] > 0.0F && s[c] >= share * selection_.leastScore(c)) return sweep_.distance(c);
+  return std::numeric_limits<double>::infinity();
+}
+
 void SweepDetector::fillCandidates(Obstacles& obstacles) const {
   const auto least = static_cast<float>(parameters_.selection.publish_score);
   for (int beam = 0; beam < sweep_.beams(); ++beam) {
@@ -140,9 +152,11 @@ void SweepDetector::fillObstacles(const CurrentView& current, Obstacles& obstacl
         bearing.range = std::min(bearing.range, static_cast<float>(d));
       }
     }
-    if (bearing.state == BearingState::Free)
-      bearing.range = static_cast<float>(plain_edge_.limit(current, views_.data(), reference_count_,
-                                                           sweep_, beam, double{bearing.range}));
+    if (bearing.state == BearingState::Free) {
+      const double range = std::min(double{bearing.range}, doubtfulDistance(beam));
+      bearing.range = static_cast<float>(
+          plain_edge_.limit(current, views_.data(), reference_count_, sweep_, beam, range));
+    }
     obstacles.bearings.push_back(bearing);
   }
   free_floor_.limit(obstacles);

@@ -51,6 +51,7 @@ void SweepDetector::configure(const CameraPose& T_base_camera) {
   sweep_.configure(grid_, rows, noise_.sweepRows(), parameters_.grid.max_support,
                    parameters_.evidence);
   selection_.configure(sweep_, grid_.height, parameters_.selection);
+  level_top_.configure(sweep_, parameters_.selection);
   leaning_.configure(parameters_.selection);
   free_floor_.configure(parameters_.free_floor);
   edge_.configure(parameters_.selection);
@@ -142,8 +143,10 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
 /// The sweep's own contacts. They mask the floor for the next motion; guesses must not.
 void SweepDetector::findContacts(const CurrentView& view) {
   compareWithReferences(view);
+  const SelectionParameters& p = parameters_.selection;
   sweep_.evaluate(view, views_.data(), reference_count_,
-                  static_cast<float>(parameters_.selection.publish_score), scores_);
+                  static_cast<float>(p.weak_share * p.publish_score), scores_);
+  level_top_.add({view, views_.data(), reference_count_, sweep_}, selection_, scores_);
   lap("vertical_sweep");
   selection_.select(scores_, choices_);
   leaning_.refine(view, views_.data(), reference_count_, sweep_, scores_, choices_);

@@ -172,6 +172,43 @@ float VerticalSweep::leaningScore(const SweepReference* references, int count, i
   return scoreOf(references, count, beam, candidate, slope, least, top);
 }
 
+float VerticalSweep::levelScore(const SweepReference* references, int count, int beam,
+                                int candidate, int begin, std::int16_t& top) {
+  count = std::min(count, max_references);
+  const int farthest = begin - candidate;  // row of the first candidate
+  const int highest = first_row_ + candidate - support_rows_;
+  const RowRange support = intersection(rows(beam), {std::max(highest, farthest), begin});
+  const kernels::EvidenceTerms terms{row_weight_.data(), potential_.data(), floor_cap_, prior_};
+  kernels::Climb climb;
+  climb.best_row = support.end;
+  lines_.sameBrightness(count);
+  for (int row = support.end - 1; row >= support.begin && !climb.over; --row) {
+    lines_.aim(references, count, candidate - (begin - row), {row, row + 1});
+    kernels::climbSupport(lines_.paths(), count, terms, row, row + 1, support.begin, 0, climb);
+  }
+  top = static_cast<std::int16_t>(climb.best_row);
+  return static_cast<float>(climb.best) / static_cast<float>(kernels::cost_unit * count);
+}
+
+float VerticalSweep::levelFront(const SweepReference* references, int count, int beam,
+                                int candidate, int begin, int& front) {
+  count = std::min(count, max_references);
+  const int last = std::min(rows(beam).end, begin + candidates_ - candidate);
+  const kernels::EvidenceTerms terms{row_weight_.data(), potential_.data(), floor_cap_, prior_};
+  const std::int32_t patience = 8 * kernels::cost_unit * count;
+  lines_.sameBrightness(count);
+  std::int32_t sum = 0, best = 0;
+  front = begin - 1;
+  for (int row = begin; row < last && sum > best - patience; ++row) {
+    kernels::Climb climb;
+    lines_.aim(references, count, candidate + (row - begin), {row, row + 1});
+    kernels::climbSupport(lines_.paths(), count, terms, row, row + 1, row, 0, climb);
+    sum += climb.sum;
+    if (sum > best) best = sum, front = row;
+  }
+  return static_cast<float>(best) / static_cast<float>(kernels::cost_unit * count);
+}
+
 float VerticalSweep::evidence(const SweepReference* references, int count, int beam, int candidate,
                               RowRange part) {
   count = std::min(count, max_references);

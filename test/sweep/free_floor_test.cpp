@@ -27,14 +27,13 @@ class Free : public ::testing::Test {
       obstacles.bearings.push_back(
           {static_cast<float>(-i * step), 0.0F, 2.0F, 0.4F, BearingState::Free});
   }
-  void contact(int bearing, double range, double height = 0.3) {
+  void contact(int bearing, double range) {
     Bearing& b = at(bearing);
     b.state = BearingState::Occupied;
     b.range = static_cast<float>(range);
     Contact c;
     c.bearing = bearing;
     c.p_base = Eigen::Vector2f(range * std::cos(b.angle), range * std::sin(b.angle));
-    c.height = static_cast<float>(height);
     obstacles.contacts.push_back(c);
   }
   Bearing& at(int i) { return obstacles.bearings[static_cast<std::size_t>(i)]; }
@@ -128,7 +127,29 @@ TEST_F(Free, BackInViewTheViewDecides) {
   EXPECT_EQ(at(middle).state, BearingState::Free);
 }
 
-TEST_F(Free, MemoryEndsWithItsTimeAResetAndForLowThings) {
+TEST_F(Free, ComingNearerTheBeamsBetweenTwoContactsOfOneThingAreBlockedToo) {
+  contact(middle, 0.5);
+  contact(middle + 1, 0.5);
+  limit();
+  newFrame(0.5);
+  limit({0.4, 0.0, 0.0});  // 0.1 m away, the two contacts are five bearings apart
+  for (int i = middle; i <= middle + 5; ++i) EXPECT_EQ(at(i).state, BearingState::Blocked) << i;
+  EXPECT_EQ(at(middle - 1).state, BearingState::Free);
+  EXPECT_EQ(at(middle + 6).state, BearingState::Free);
+}
+
+TEST_F(Free, BetweenTwoThingsTheFloorStaysFree) {
+  contact(middle, 0.5);
+  contact(middle + 4, 0.5);
+  limit();
+  newFrame(0.5);
+  limit({0.2, 0.0, 0.0});
+  EXPECT_EQ(at(middle).state, BearingState::Blocked);
+  EXPECT_EQ(at(middle + 2).state, BearingState::Free);
+  EXPECT_EQ(at(middle + 7).state, BearingState::Blocked);
+}
+
+TEST_F(Free, MemoryEndsWithItsTimeAndAReset) {
   const SE2 nearer{0.2, 0.0, 0.0};
   contact(middle, 0.5);
   limit();
@@ -140,12 +161,6 @@ TEST_F(Free, MemoryEndsWithItsTimeAResetAndForLowThings) {
   limit();
   free_floor.reset();
   newFrame(parameters.near_memory + 2.0);
-  limit(nearer);
-  EXPECT_EQ(at(middle).state, BearingState::Free);
-
-  contact(middle, 0.5, 0.02);  // the floor behind it is in view
-  limit();
-  newFrame(parameters.near_memory + 3.0);
   limit(nearer);
   EXPECT_EQ(at(middle).state, BearingState::Free);
 }

@@ -310,6 +310,38 @@ class Definition : public Costs {
     }
     return best;
   }
+  /// Score of a level surface that begins at a row above a candidate: at height z on row j it is
+  /// (h - z) / r away. Sums end at the best row.
+  [[nodiscard]] double levelScore(int beam, int c, int begin) const {
+    const double az = sweep.azimuth(beam), below_camera = grid.r(2 * begin) * sweep.distance(c);
+    const int reach =
+        static_cast<int>(std::lround(-std::log(1 - p.grid.max_support) * p.grid.rows_per_log / 2));
+    const int highest =
+        std::max({static_cast<int>(sweep.sweepRow(c)) - reach, sweep.rows(beam).begin, begin - c});
+    double sum = 0.0, best = 0.0;
+    for (int j = begin - 1; j >= highest; --j) {
+      const double d = below_camera / grid.r(2 * j);
+      const Eigen::Vector2d place = foot_motion * (d * Eigen::Vector2d(std::cos(az), std::sin(az)));
+      const double first_line = grid.line(std::atan2(place.y(), place.x())) - 3.5;
+      double vertical = 0.0;
+      bool seen = cost.at(j, beam) != kernels::no_cost;
+      for (int k = 0; k < 8; ++k) {
+        const double az_ref = grid.azimuth(first_line + k), r_ref = below_camera / place.norm();
+        double value = 0.0;
+        seen &= sample((grid.height / r_ref) * Eigen::Vector2d(std::cos(az_ref), std::sin(az_ref)),
+                       1.0, value);
+        const int line = sweep.firstLine(beam) + k;
+        vertical += capped(now.at(2 * j, line) - value, weight.at(j, line)) / 8;
+      }
+      if (!seen) continue;
+      const double floor =
+          std::min(cost.at(j, beam) / double{kernels::cost_unit}, p.evidence.floor_cap);
+      sum += (floor - vertical - p.evidence.vertical_prior) * p.evidence.evidence_rows *
+             grid.r(2 * j) * 2 / p.grid.rows_per_log;
+      best = std::max(best, sum);
+    }
+    return best;
+  }
   void compare(bool brightness) {
     SweepScores scores;
     sweep.evaluate(current, &reference, 1, 0.0F, scores);
@@ -326,6 +358,29 @@ class Definition : public Costs {
 };
 
 TEST_F(Definition, GivesTheScores) { compare(false); }
+
+TEST_F(Definition, GivesTheScoresOfLevelTops) {
+  int compared = 0;
+  double most = 0.0;
+  for (int beam = 3; beam < sweep.beams(); beam += 4) {
+    for (int c = 10; c < sweep.candidates(); c += 9) {
+      for (const int up : {4, 9, 30}) {
+        const int begin = static_cast<int>(sweep.sweepRow(c)) - up;
+        const double expected = levelScore(beam, c, begin);
+        std::int16_t top = 0;
+        sweep.offered(&reference, 1, beam, c);
+        sweep.aimBeam(current, &reference, 1, beam);
+        const float score = sweep.levelScore(&reference, 1, beam, c, begin, top);
+        EXPECT_NEAR(score, expected, 1.5 + 0.04 * expected) << beam << ' ' << c << ' ' << up;
+        EXPECT_LE(top, begin);
+        most = std::max(most, expected);
+        ++compared;
+      }
+    }
+  }
+  EXPECT_GT(compared, 300);
+  EXPECT_GT(most, 10.0);
+}
 
 TEST_F(Definition, GivesThoseOfSurfacesThatMayHaveBecomeBrighter) {
   allowForBrightness();

@@ -216,6 +216,9 @@ struct SelectionParameters {
   double nearer_score = 15.0;
   double publish_score = 4.0;
   double publish_slope = 20.0;
+  double weak_share = 0.5;
+  double top_length = 0.08;
+  int top_reach = 4;
   double step_cost = 0.5;
   double jump_cost = 20.0;
   double nothing_cost = 12.0;
@@ -244,6 +247,14 @@ struct SelectionParameters {
           "a beam's own score for a contact to be published");
     field("publish_slope", self.publish_slope, Unit{""}, Range{0.0, 1000.0},
           "the same per unit of r, where that is more: near the camera a centimetre is many rows");
+    field("weak_share", self.weak_share, Unit{""}, Range{0.1, 1.0},
+          "a candidate with this share of what it takes to be published is doubtful: its level top "
+          "counts as well, and the floor behind it is not called free");
+    field("top_length", self.top_length, Unit{"log"}, Range{0.0, 1.0},
+          "a level top that is seen over less, in the logarithm of the distance, says nothing; 0: "
+          "tops are not looked for");
+    field("top_reach", self.top_reach, Unit{"candidates"}, Range{0, 32},
+          "how far below the upper end of a face its top may begin: the face seems to go on there");
     field("step_cost", self.step_cost, Unit{""}, Range{0.0, 100.0},
           "cost of one candidate step between neighbouring beams");
     field("jump_cost", self.jump_cost, Unit{""}, Range{0.0, 1000.0},

@@ -33,6 +33,11 @@ class BearingSelection {
   /// Fills one choice a beam.
   void select(const SweepScores& scores, std::vector<BeamChoice>& choices);
 
+  /// Score that a contact at a candidate needs to be published.
+  [[nodiscard]] float leastScore(int candidate) const {
+    return least_score_[static_cast<std::size_t>(candidate)];
+  }
+
  private:
   int strongestVisible(const float* score, const std::int16_t* top) const;
   void prepare(const SweepScores& scores, int beam);

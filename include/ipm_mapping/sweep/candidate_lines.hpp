@@ -50,6 +50,8 @@ class CandidateLines {
   /// the mean over a patch of its rows shows.
   void allowForBrightness(const SweepReference* references, int count, int candidate,
                           RowRange patch, std::int32_t most);
+  /// It has not.
+  void sameBrightness(int count);
 
   [[nodiscard]] const kernels::EvidencePath* paths() const { return paths_.data(); }
 

@@ -32,6 +32,7 @@ class FreeFloor {
  private:
   struct Remembered {
     Eigen::Vector2d p_floor;
+    Eigen::Vector2d next_floor;  ///< of the contact beside it: coming nearer, they move apart
     double stamp;
   };
   void fillSlits(std::vector<Bearing>& bearings) const;

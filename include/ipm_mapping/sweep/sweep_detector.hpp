@@ -12,6 +12,7 @@
 #include "ipm_mapping/sweep/floor_cost.hpp"
 #include "ipm_mapping/sweep/free_floor.hpp"
 #include "ipm_mapping/sweep/leaning_surface.hpp"
+#include "ipm_mapping/sweep/level_top.hpp"
 #include "ipm_mapping/sweep/lone_contact.hpp"
 #include "ipm_mapping/sweep/motion_refinement.hpp"
 #include "ipm_mapping/sweep/noise_model.hpp"
@@ -96,6 +97,7 @@ class SweepDetector : public Detector {
   };
   FloorReach floorReach(int beam, const SweepReference& view) const;
   Bearing floorBearing(int beam) const;
+  double doubtfulDistance(int beam) const;
   double rangeLimit(double azimuth) const;
   void lap(const char* stage);
 
@@ -115,6 +117,7 @@ class SweepDetector : public Detector {
   SpecularCost specular_;
   VerticalSweep sweep_;
   BearingSelection selection_;
+  LevelTop level_top_;
   LeaningSurface leaning_;
   ContactEdge edge_;
   StraightFoot straight_foot_;

@@ -51,6 +51,18 @@ class VerticalSweep {
   float leaningScore(const SweepReference* references, int count, int beam, int candidate,
                      int slope, float least_score, std::int16_t& top);
 
+  /// Score of a level surface as high as sweep row `begin` of the upright line at a candidate of
+  /// the aimed beam, of which offered() was asked last, seen from the row above `begin` on: with z
+  /// = h (1 - r(begin) / r(candidate)) it is met on row j at (h - z) / r(j), one candidate farther
+  /// a row. `top` is the row where it ends.
+  float levelScore(const SweepReference* references, int count, int beam, int candidate, int begin,
+                   std::int16_t& top);
+
+  /// The same surface followed from row `begin` towards the robot; `front` is the last of its rows,
+  /// `begin` - 1 where it has none.
+  float levelFront(const SweepReference* references, int count, int beam, int candidate, int begin,
+                   int& front);
+
   /// Evidence for an upright surface of any brightness at a candidate of the aimed beam, summed
   /// over a part of the sweep rows whatever its sign: negative where the floor's own texture goes
   /// on there. The lowest number where less than half of the rows can be compared.

@@ -1,0 +1,106 @@
+#include "ipm_mapping/sweep/level_top.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+namespace ipm_mapping::sweep {
+namespace {
+
+constexpr int peak_reach = 6;  // candidates around a maximum that belong to it
+constexpr float least_evidence = 1.0F;
+constexpr double flat_face = 0.08;    // log, as top_length: 8 % of the camera's height
+constexpr int front_rows = 4;         // of a top in front of a candidate that lies on it
+constexpr float front_slope = 0.05F;  // per candidate, of the maximum that is made there
+
+}  // namespace
+
+void LevelTop::configure(const VerticalSweep& sweep, const SelectionParameters& parameters) {
+  parameters_ = parameters;
+  const ScoreGrid grid = sweep.scoreGrid();
+  const auto rows = [&](double log) { return log * grid.candidates_per_log; };
+  least_rows_ = std::max(1, static_cast<int>(std::lround(rows(parameters.top_length))));
+  const double lower = std::clamp(parameters.least_height / grid.height, 0.0, 0.9);
+  least_face_ = std::max(1, static_cast<int>(std::ceil(rows(-std::log1p(-lower)))));
+  flat_face_ = static_cast<int>(std::lround(rows(flat_face)));
+  slabs_.reserve(static_cast<std::size_t>(std::max(0, sweep.candidates())));
+}
+
+/// The best level surface that begins near the upper end of a candidate's face.
+LevelTop::Top LevelTop::topOf(const ComparedFrame& frame, int beam, int candidate, int top) const {
+  const int contact = static_cast<int>(frame.sweep.sweepRow(candidate));
+  const int last = std::min(top + parameters_.top_reach, contact - least_face_);
+  Top best;
+  for (int begin = top; begin <= last; ++begin) {
+    std::int16_t end = 0;
+    const float score =
+        frame.sweep.levelScore(frame.references, frame.count, beam, candidate, begin, end);
+    if (begin - end >= least_rows_ && score > best.score) best = {begin, score};
+  }
+  return best;
+}
+
+void LevelTop::findSlabs(const ComparedFrame& frame, const BearingSelection& selection,
+                         const SweepScores& scores, int beam) {
+  slabs_.clear();
+  VerticalSweep& sweep = frame.sweep;
+  const float* s = scores.score.row(beam);
+  const auto share = static_cast<float>(parameters_.weak_share);
+  const auto clear = static_cast<float>(parameters_.nearer_score);
+  bool aimed = false;
+  for (int c = 1; c + 1 < sweep.candidates(); ++c) {
+    if (!(s[c] > 0.0F) || s[c] < s[c - 1] || !(s[c] > s[c + 1])) continue;
+    if (s[c] < share * selection.leastScore(c) || s[c] > clear) continue;
+    if (!aimed) {
+      sweep.offered(frame.references, frame.count, beam, c);
+      sweep.aimBeam(frame.current, frame.references, frame.count, beam);
+      aimed = true;
+    }
+    const Top top = topOf(frame, beam, c, scores.top.at(c, beam));
+    if (top.score < least_evidence) continue;
+    Slab slab{c, s[c], top, top.begin - 1, 0.0F};
+    if (static_cast<int>(sweep.sweepRow(c)) - top.begin <= flat_face_)
+      slab.front_score =
+          sweep.levelFront(frame.references, frame.count, beam, c, top.begin, slab.front);
+    slabs_.push_back(slab);
+  }
+}
+
+void LevelTop::raise(const Slab& slab, float* score, int candidates) {
+  const float factor = 1.0F + std::min(1.0F, slab.top.score / slab.score);
+  const float most = score[slab.candidate];
+  const int from = std::max(0, slab.candidate - peak_reach);
+  const int to = std::min(candidates - 1, slab.candidate + peak_reach);
+  for (int c = from; c <= to; ++c)
+    if (score[c] <= most) score[c] *= factor;
+}
+
+void LevelTop::moveToFront(const Slab& slab, SweepScores& scores, int beam, int candidates) {
+  const int nearer = slab.front + 1 - slab.top.begin;
+  if (nearer < front_rows || slab.front_score < least_evidence) return;
+  const int front = slab.candidate + nearer;
+  float* s = scores.score.row(beam);
+  const float score = s[slab.candidate] + slab.front_score;
+  const int to = std::min(candidates - 1, front + peak_reach);
+  for (int c = std::max(0, front - peak_reach); c <= to; ++c) {
+    const float here = score * (1.0F - front_slope * static_cast<float>(std::abs(c - front)));
+    if (here <= s[c]) continue;
+    s[c] = here;
+    scores.top.at(c, beam) = static_cast<std::int16_t>(slab.front + 1 + c - front);
+  }
+}
+
+void LevelTop::add(const ComparedFrame& frame, const BearingSelection& selection,
+                   SweepScores& scores) {
+  if (parameters_.top_length <= 0.0) return;
+  const int candidates = frame.sweep.candidates();
+  for (int beam = 0; beam < frame.sweep.beams(); ++beam) {
+    findSlabs(frame, selection, scores, beam);
+    for (const Slab& slab : slabs_) {
+      raise(slab, scores.score.row(beam), candidates);
+      moveToFront(slab, scores, beam, candidates);
+    }
+  }
+}
+
+}  // namespace ipm_mapping::sweep

@@ -1,0 +1,124 @@
+#include "ipm_mapping/sweep/level_top.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "sweep/sweep_fixture.hpp"
+
+namespace ipm_mapping::sweep {
+namespace {
+
+constexpr double face = 1.6;  // x of it
+
+struct Seen {
+  std::size_t contacts = 0;  // on the face
+  std::size_t elsewhere = 0;
+  std::size_t on_top = 0;       // of these, more than 10 cm behind the face
+  std::size_t free_beyond = 0;  // bearings towards the face that promise floor behind it
+  std::size_t free = 0;
+};
+
+/// The last answer about a slab `height` high and `depth` deep; the robot drives `way` towards it.
+constexpr double way = 0.4;
+Obstacles answer(double height, double depth, const SweepParameters& parameters) {
+  test::GrainedScene scene(test::smallCamera(), test::smallCameraPose());
+  scene.boxes = {{face, face + depth, -0.3, 0.3, height}};
+  SweepDetector detector(parameters);
+  detector.setCamera(scene.camera, scene.T_base_camera);
+  Obstacles obstacles;
+  for (int i = 0; i <= 5; ++i) {
+    const SE2 pose{way / 5.0 * i, 0.0, 0.0};
+    const Image<std::uint8_t> picture = scene.render(pose);
+    Frame frame;
+    frame.index = static_cast<std::uint64_t>(i);
+    frame.stamp = 0.1 * i;
+    frame.image = picture.view();
+    frame.T_odom_base = pose;
+    detector.process(frame, obstacles);
+  }
+  return obstacles;
+}
+
+Seen see(double height, double depth, const SweepParameters& parameters) {
+  const Obstacles obstacles = answer(height, depth, parameters);
+  Seen seen;
+  for (const Contact& contact : obstacles.contacts) {
+    const double off = way + static_cast<double>(contact.p_base.x()) - face;
+    ++(std::abs(off) < 0.03 ? seen.contacts : seen.elsewhere);
+    if (off > 0.1) ++seen.on_top;
+  }
+  const Eigen::Vector2d foot = obstacles.view.cameraFoot();
+  for (const Bearing& bearing : obstacles.bearings) {
+    if (bearing.state != BearingState::Free) continue;
+    ++seen.free;
+    const double range = (face - way - foot.x()) / std::cos(double{bearing.angle});
+    const bool towards = std::abs(range * std::sin(double{bearing.angle}) + foot.y()) < 0.28;
+    if (towards && bearing.range > range + 0.1) ++seen.free_beyond;
+  }
+  return seen;
+}
+
+SweepParameters without(double length) {
+  SweepParameters p = test::smallParameters();
+  p.selection.top_length = length;
+  return p;
+}
+
+TEST(LevelTop, ALowSlabIsFoundByItsTop) {
+  const Seen by_face = see(0.03, 0.5, without(0.0)),
+             by_top = see(0.03, 0.5, test::smallParameters());
+  EXPECT_LE(by_face.contacts, 4U);
+  EXPECT_GE(by_top.contacts, 12U);
+  EXPECT_EQ(by_top.free_beyond, 0U);
+}
+
+/// A patch of the top looks upright too, somewhere behind the face.
+TEST(LevelTop, AContactIsInFrontOfTheTopNotOnIt) {
+  for (const double height : {0.025, 0.03}) {
+    const Seen seen = see(height, 0.5, test::smallParameters());
+    EXPECT_GE(seen.contacts, 2 * seen.elsewhere) << height;
+    EXPECT_LE(seen.on_top, 1U) << height;
+  }
+}
+
+TEST(LevelTop, AShortTopSaysNothing) {
+  const Seen by_face = see(0.03, 0.05, without(0.0));
+  const Seen by_top = see(0.03, 0.05, test::smallParameters());
+  EXPECT_EQ(by_top.contacts, by_face.contacts);
+}
+
+TEST(LevelTop, WhatIsTooLowToBeAnObstacleHasNone) {
+  SweepParameters by_face = without(0.0), by_top = test::smallParameters();
+  by_face.selection.least_height = by_top.selection.least_height = 0.05;
+  EXPECT_EQ(answer(0.03, 0.5, by_top).candidates.size(),
+            answer(0.03, 0.5, by_face).candidates.size());
+}
+
+/// Half of what it takes to be published is enough for floor not to be promised.
+TEST(DoubtfulCandidate, HasNoFreeFloorBehindIt) {
+  const SweepParameters p = test::smallParameters();
+  const Obstacles obstacles = answer(0.012, 0.1, p);
+  const Eigen::Vector2f foot = obstacles.view.cameraFoot().cast<float>();
+  int compared = 0;
+  for (const Contact& c : obstacles.candidates) {
+    const float d = (c.p_base - foot).norm();
+    const double least = std::max(p.selection.publish_score, p.selection.publish_slope * 0.45 / d);
+    const Bearing& bearing = obstacles.bearings[static_cast<std::size_t>(c.bearing)];
+    if (c.score < 0.5 * least || bearing.state != BearingState::Free) continue;
+    EXPECT_LE(bearing.range, d + 0.01F);
+    ++compared;
+  }
+  EXPECT_GE(compared, 3);
+}
+
+TEST(LevelTop, BareFloorStaysFree) {
+  const Seen seen = see(0.0, 0.1, test::smallParameters());
+  EXPECT_EQ(seen.contacts + seen.elsewhere, 0U);
+  EXPECT_GT(seen.free, 40U);
+  EXPECT_EQ(seen.free, see(0.0, 0.1, without(0.0)).free);
+}
+
+}  // namespace
+}  // namespace ipm_mapping::sweep
