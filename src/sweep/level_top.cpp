@@ -66,8 +66,8 @@ void LevelTop::findSlabs(const ComparedFrame& frame, const BearingSelection& sel
   }
 }
 
-void LevelTop::raise(const Slab& slab, float* score, int candidates) {
-  const float factor = 1.0F + std::min(1.0F, slab.top.score / slab.score);
+void LevelTop::raise(const Slab& slab, float clear, float* score, int candidates) {
+  const float factor = std::max(clear, slab.score + slab.top.score) / slab.score;
   const float most = score[slab.candidate];
   const int from = std::max(0, slab.candidate - peak_reach);
   const int to = std::min(candidates - 1, slab.candidate + peak_reach);
@@ -93,11 +93,12 @@ void LevelTop::moveToFront(const Slab& slab, SweepScores& scores, int beam, int 
 void LevelTop::add(const ComparedFrame& frame, const BearingSelection& selection,
                    SweepScores& scores) {
   if (parameters_.top_length <= 0.0) return;
+  const auto clear = static_cast<float>(1.01 * parameters_.nearer_score);
   const int candidates = frame.sweep.candidates();
   for (int beam = 0; beam < frame.sweep.beams(); ++beam) {
     findSlabs(frame, selection, scores, beam);
     for (const Slab& slab : slabs_) {
-      raise(slab, scores.score.row(beam), candidates);
+      raise(slab, clear, scores.score.row(beam), candidates);
       moveToFront(slab, scores, beam, candidates);
     }
   }

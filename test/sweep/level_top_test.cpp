@@ -96,7 +96,7 @@ TEST(LevelTop, WhatIsTooLowToBeAnObstacleHasNone) {
             answer(0.03, 0.5, by_face).candidates.size());
 }
 
-/// Half of what it takes to be published is enough for floor not to be promised.
+/// A share of what it takes to be published is enough for floor not to be promised.
 TEST(DoubtfulCandidate, HasNoFreeFloorBehindIt) {
   const SweepParameters p = test::smallParameters();
   const Obstacles obstacles = answer(0.012, 0.1, p);
@@ -106,7 +106,7 @@ TEST(DoubtfulCandidate, HasNoFreeFloorBehindIt) {
     const float d = (c.p_base - foot).norm();
     const double least = std::max(p.selection.publish_score, p.selection.publish_slope * 0.45 / d);
     const Bearing& bearing = obstacles.bearings[static_cast<std::size_t>(c.bearing)];
-    if (c.score < 0.5 * least || bearing.state != BearingState::Free) continue;
+    if (c.score < p.selection.weak_share * least || bearing.state != BearingState::Free) continue;
     EXPECT_LE(bearing.range, d + 0.01F);
     ++compared;
   }

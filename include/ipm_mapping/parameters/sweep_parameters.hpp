@@ -216,7 +216,7 @@ struct SelectionParameters {
   double nearer_score = 15.0;
   double publish_score = 4.0;
   double publish_slope = 20.0;
-  double weak_share = 0.5;
+  double weak_share = 0.35;
   double top_length = 0.08;
   int top_reach = 4;
   double step_cost = 0.5;

@@ -11,9 +11,9 @@ namespace ipm_mapping::sweep {
 /// pallet's deck. Their faces are a few rows, too little to be believed, but the top moves like a
 /// raised floor. A candidate with a doubtful score, between `weak_share` of what is published and
 /// `nearer_score`, gets the evidence of a level surface that begins where its face ends,
-///   S += min(S, max over t of S_top(t)),   top <= t <= top + top_reach,
+///   S := max(S + max over t of S_top(t), nearer_score),   top <= t <= top + top_reach,
 /// where that surface is seen over `top_length`: what only looks upright (a joint that is not
-/// aligned, a highlight) has none.
+/// aligned, a highlight) has none. It hides what scores more and stands behind it.
 /// A face of a few rows is hardly told from the rows of the top: such a candidate may lie on the
 /// top itself. Its surface is followed towards the robot, and what it stands on is where that ends.
 class LevelTop {
@@ -40,7 +40,7 @@ class LevelTop {
   void findSlabs(const ComparedFrame& frame, const BearingSelection& selection,
                  const SweepScores& scores, int beam);
   [[nodiscard]] Top topOf(const ComparedFrame& frame, int beam, int candidate, int top) const;
-  static void raise(const Slab& slab, float* score, int candidates);
+  static void raise(const Slab& slab, float clear, float* score, int candidates);
   static void moveToFront(const Slab& slab, SweepScores& scores, int beam, int candidates);
 
   SelectionParameters parameters_;
