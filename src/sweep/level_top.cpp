@@ -10,6 +10,7 @@ namespace {
 constexpr int peak_reach = 6;  // candidates around a maximum that belong to it
 constexpr float least_evidence = 1.0F;
 constexpr double flat_face = 0.08;    // log, as top_length: 8 % of the camera's height
+constexpr int face_rows = 5;          // fewer say nothing of a height
 constexpr int front_rows = 4;         // of a top in front of a candidate that lies on it
 constexpr float front_slope = 0.05F;  // per candidate, of the maximum that is made there
 
@@ -21,7 +22,7 @@ void LevelTop::configure(const VerticalSweep& sweep, const SelectionParameters& 
   const auto rows = [&](double log) { return log * grid.candidates_per_log; };
   least_rows_ = std::max(1, static_cast<int>(std::lround(rows(parameters.top_length))));
   const double lower = std::clamp(parameters.least_height / grid.height, 0.0, 0.9);
-  least_face_ = std::max(1, static_cast<int>(std::ceil(rows(-std::log1p(-lower)))));
+  least_face_ = std::max(face_rows, static_cast<int>(std::ceil(rows(-std::log1p(-lower)))));
   flat_face_ = static_cast<int>(std::lround(rows(flat_face)));
   slabs_.reserve(static_cast<std::size_t>(std::max(0, sweep.candidates())));
 }
@@ -47,8 +48,10 @@ void LevelTop::findSlabs(const ComparedFrame& frame, const BearingSelection& sel
   const float* s = scores.score.row(beam);
   const auto share = static_cast<float>(parameters_.weak_share);
   const auto clear = static_cast<float>(parameters_.nearer_score);
+  const int in_view = sweep.rows(beam).end - static_cast<int>(sweep.sweepRow(0.0));
+  const int end = std::min(in_view, sweep.candidates() - 1);
   bool aimed = false;
-  for (int c = 1; c + 1 < sweep.candidates(); ++c) {
+  for (int c = 1; c < end; ++c) {
     if (!(s[c] > 0.0F) || s[c] < s[c - 1] || !(s[c] > s[c + 1])) continue;
     if (s[c] < share * selection.leastScore(c) || s[c] > clear) continue;
     if (!aimed) {

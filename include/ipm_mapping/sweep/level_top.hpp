@@ -8,9 +8,10 @@
 namespace ipm_mapping::sweep {
 
 /// What is lower than the camera shows its top as well as its face: a plank, a flat parcel, a
-/// pallet's deck. Their faces are a few rows, too little to be believed, but the top moves like a
-/// raised floor. A candidate with a doubtful score, between `weak_share` of what is published and
-/// `nearer_score`, gets the evidence of a level surface that begins where its face ends,
+/// pallet's deck, a kerb. Their faces are a few rows, too little to be believed, but the top moves
+/// like a raised floor. A candidate in view with a doubtful score, between `weak_share` of what is
+/// published and `nearer_score`, gets the evidence of a level surface that begins where its face
+/// ends,
 ///   S := max(S + max over t of S_top(t), nearer_score),   top <= t <= top + top_reach,
 /// where that surface is seen over `top_length`: what only looks upright (a joint that is not
 /// aligned, a highlight) has none. It hides what scores more and stands behind it.
