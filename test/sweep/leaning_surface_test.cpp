@@ -17,19 +17,7 @@ std::vector<double> feetOf(double lean, const SweepParameters& parameters) {
   constexpr double slice = 0.015, foot = 1.6;
   for (int k = 0; k < 20; ++k)
     scene.boxes.push_back({foot + lean * slice * k, 3.2, -0.3, 0.3, slice * (k + 1)});
-  SweepDetector detector(parameters);
-  detector.setCamera(scene.camera, scene.T_base_camera);
-  Obstacles obstacles;
-  for (int i = 0; i <= 5; ++i) {
-    const SE2 pose{0.08 * i, 0.0, 0.0};
-    const Image<std::uint8_t> picture = scene.render(pose);
-    Frame frame;
-    frame.index = static_cast<std::uint64_t>(i);
-    frame.stamp = 0.1 * i;
-    frame.image = picture.view();
-    frame.T_odom_base = pose;
-    detector.process(frame, obstacles);
-  }
+  const Obstacles obstacles = test::answerAfter(scene, parameters, 0.4);
   std::vector<double> x;
   for (const Contact& contact : obstacles.contacts)
     x.push_back(0.4 + static_cast<double>(contact.p_base.x()) - foot);

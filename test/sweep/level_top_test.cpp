@@ -11,6 +11,7 @@ namespace ipm_mapping::sweep {
 namespace {
 
 constexpr double face = 1.6;  // x of it
+constexpr double way = 0.4;   // driven towards it
 
 struct Seen {
   std::size_t contacts = 0;  // on the face
@@ -20,25 +21,11 @@ struct Seen {
   std::size_t free = 0;
 };
 
-/// The last answer about a slab `height` high and `depth` deep; the robot drives `way` towards it.
-constexpr double way = 0.4;
+/// The last answer about a slab `height` high and `depth` deep.
 Obstacles answer(double height, double depth, const SweepParameters& parameters) {
   test::GrainedScene scene(test::smallCamera(), test::smallCameraPose());
   scene.boxes = {{face, face + depth, -0.3, 0.3, height}};
-  SweepDetector detector(parameters);
-  detector.setCamera(scene.camera, scene.T_base_camera);
-  Obstacles obstacles;
-  for (int i = 0; i <= 5; ++i) {
-    const SE2 pose{way / 5.0 * i, 0.0, 0.0};
-    const Image<std::uint8_t> picture = scene.render(pose);
-    Frame frame;
-    frame.index = static_cast<std::uint64_t>(i);
-    frame.stamp = 0.1 * i;
-    frame.image = picture.view();
-    frame.T_odom_base = pose;
-    detector.process(frame, obstacles);
-  }
-  return obstacles;
+  return test::answerAfter(scene, parameters, way);
 }
 
 Seen see(double height, double depth, const SweepParameters& parameters) {

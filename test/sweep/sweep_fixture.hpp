@@ -128,4 +128,23 @@ inline sweep::SweepParameters smallParameters() {
   return p;
 }
 
+/// What a detector says at the end of a straight drive in five steps.
+inline Obstacles answerAfter(const GrainedScene& scene, const sweep::SweepParameters& parameters,
+                             double way) {
+  sweep::SweepDetector detector(parameters);
+  detector.setCamera(scene.camera, scene.T_base_camera);
+  Obstacles obstacles;
+  for (int i = 0; i <= 5; ++i) {
+    const SE2 pose{way / 5.0 * i, 0.0, 0.0};
+    const Image<std::uint8_t> picture = scene.render(pose);
+    Frame frame;
+    frame.index = static_cast<std::uint64_t>(i);
+    frame.stamp = 0.1 * i;
+    frame.image = picture.view();
+    frame.T_odom_base = pose;
+    detector.process(frame, obstacles);
+  }
+  return obstacles;
+}
+
 }  // namespace ipm_mapping::test
