@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace ipm_mapping::sweep {
 namespace {
@@ -19,19 +20,42 @@ Eigen::Vector2d fromFoot(const Obstacles& obstacles, const Contact& contact) {
   return contact.p_base.cast<double>() - obstacles.view.cameraFoot();
 }
 
-/// Index of the bearing next to an angle; -1 outside the view.
-int bearingAt(const std::vector<Bearing>& bearings, double angle) {
-  if (bearings.size() < 2) return -1;
+/// Where a point lies among the bearings, fractions allowed, also beside the view; nothing for what
+/// lies behind it.
+std::optional<double> indexOf(const std::vector<Bearing>& bearings, const Eigen::Vector2d& p) {
+  if (bearings.size() < 2) return std::nullopt;
   const double first = bearings.front().angle, step = bearings[1].angle - first;
-  const double i = wrapAngle(angle - first) / step;
-  if (i < -0.5 || i > static_cast<double>(bearings.size()) - 0.5) return -1;
-  return static_cast<int>(std::lround(i));
+  const double middle = 0.5 * static_cast<double>(bearings.size() - 1);
+  const double off = wrapAngle(std::atan2(p.y(), p.x()) - (first + middle * step));
+  if (std::abs(off) > M_PI_2) return std::nullopt;
+  return middle + off / step;
 }
 
-void block(std::vector<Bearing>& bearings, int a, int b) {
-  for (int i = std::min(a, b); i <= std::max(a, b); ++i) {
-    Bearing& bearing = bearings[static_cast<std::size_t>(i)];
+/// The bearing next to such a place; -1 beside the view.
+int bearingAt(const std::vector<Bearing>& bearings, double index) {
+  const auto i = static_cast<int>(std::lround(index));
+  return i >= 0 && i < static_cast<int>(bearings.size()) ? i : -1;
+}
+
+/// Distance at which a bearing between two points meets the line through them.
+double crossing(const Bearing& bearing, const Eigen::Vector2d& p, const Eigen::Vector2d& q) {
+  const Eigen::Vector2d ray(std::cos(bearing.angle), std::sin(bearing.angle));
+  const double along = cross(ray, q - p);
+  return std::abs(along) > 1e-9 ? cross(p, q - p) / along : p.norm();
+}
+
+/// A line from p to q, seen at places i to j; what of it is nearer than the view hides the floor
+/// behind it.
+void block(std::vector<Bearing>& bearings, double i, const Eigen::Vector2d& p, double j,
+           const Eigen::Vector2d& q) {
+  if (j < i) return block(bearings, j, q, i, p);
+  const int from = std::max(0, static_cast<int>(std::lround(i)));
+  const int to = std::min(static_cast<int>(bearings.size()) - 1, static_cast<int>(std::lround(j)));
+  for (int k = from; k <= to; ++k) {
+    Bearing& bearing = bearings[static_cast<std::size_t>(k)];
     if (bearing.state != BearingState::Free && bearing.state != BearingState::Unknown) continue;
+    const double distance = k <= i ? p.norm() : k >= j ? q.norm() : crossing(bearing, p, q);
+    if (distance > seen_again * bearing.near) continue;
     bearing.state = BearingState::Blocked;
     bearing.range = 0.0F;
   }
@@ -79,9 +103,7 @@ void FreeFloor::betweenContacts(Obstacles& obstacles) const {
     if (!((q - p).norm() < parameters_.free_gap)) continue;
     for (int i = a.bearing + 1; i < b.bearing; ++i) {
       Bearing& bearing = obstacles.bearings[static_cast<std::size_t>(i)];
-      const Eigen::Vector2d ray(std::cos(bearing.angle), std::sin(bearing.angle));
-      const double along = cross(ray, q - p);  // where the ray meets the line from p to q
-      if (std::abs(along) > 1e-9) shorten(bearing, cross(p, q - p) / along);
+      shorten(bearing, crossing(bearing, p, q));
     }
   }
 }
@@ -94,13 +116,14 @@ void FreeFloor::belowTheView(const SE2& T_floor_base, Obstacles& obstacles) {
     const double age = obstacles.view.stamp - point.stamp;
     if (age > parameters_.near_memory) return true;
     const Eigen::Vector2d p = T_base_floor * point.p_floor - foot;
-    const int i = bearingAt(obstacles.bearings, std::atan2(p.y(), p.x()));
-    if (i < 0) return false;
-    if (p.norm() > seen_again * obstacles.bearings[static_cast<std::size_t>(i)].near)
-      return age > flicker;
     const Eigen::Vector2d q = T_base_floor * point.next_floor - foot;
-    const int j = bearingAt(obstacles.bearings, std::atan2(q.y(), q.x()));
-    block(obstacles.bearings, i, j < 0 ? i : j);
+    const auto i = indexOf(obstacles.bearings, p), j = indexOf(obstacles.bearings, q);
+    if (!i || !j) return false;
+    const int seen = bearingAt(obstacles.bearings, *i);
+    if (seen >= 0 &&
+        p.norm() > seen_again * obstacles.bearings[static_cast<std::size_t>(seen)].near)
+      return age > flicker;
+    block(obstacles.bearings, *i, p, *j, q);
     return false;
   };
   remembered_.erase(std::remove_if(remembered_.begin(), remembered_.end(), gone),

@@ -9,10 +9,11 @@ namespace {
 
 constexpr int peak_reach = 6;  // candidates around a maximum that belong to it
 constexpr float least_evidence = 1.0F;
-constexpr double flat_face = 0.08;    // log, as top_length: 8 % of the camera's height
-constexpr int face_rows = 5;          // fewer say nothing of a height
-constexpr int front_rows = 4;         // of a top in front of a candidate that lies on it
-constexpr float front_slope = 0.05F;  // per candidate, of the maximum that is made there
+constexpr double flat_face = 0.08;   // log, as top_length: 8 % of the camera's height
+constexpr int face_rows = 5;         // fewer say nothing of a height
+constexpr int front_rows = 4;        // of a top in front of a candidate that lies on it
+constexpr float front_slope = 0.1F;  // per candidate, of the maximum made there: flat
+constexpr float above = 1.01F;       // a threshold
 
 }  // namespace
 
@@ -34,8 +35,8 @@ LevelTop::Top LevelTop::topOf(const ComparedFrame& frame, int beam, int candidat
   Top best;
   for (int begin = top; begin <= last; ++begin) {
     std::int16_t end = 0;
-    const float score =
-        frame.sweep.levelScore(frame.references, frame.count, beam, candidate, begin, end);
+    const float score = frame.sweep.levelScore(frame.references, frame.count, beam, candidate,
+                                               begin, std::max(least_evidence, best.score), end);
     if (begin - end >= least_rows_ && score > best.score) best = {begin, score};
   }
   return best;
@@ -69,24 +70,24 @@ void LevelTop::findSlabs(const ComparedFrame& frame, const BearingSelection& sel
   }
 }
 
+/// To at least what it takes to be a clear contact; the whole maximum keeps its shape.
 void LevelTop::raise(const Slab& slab, float clear, float* score, int candidates) {
-  const float factor = std::max(clear, slab.score + slab.top.score) / slab.score;
+  const float target = std::max(clear, slab.score + slab.top.score);
   const float most = score[slab.candidate];
+  if (most >= target) return;  // by the maximum beside it
   const int from = std::max(0, slab.candidate - peak_reach);
   const int to = std::min(candidates - 1, slab.candidate + peak_reach);
   for (int c = from; c <= to; ++c)
-    if (score[c] <= most) score[c] *= factor;
+    if (score[c] <= most) score[c] *= target / most;
 }
 
-void LevelTop::moveToFront(const Slab& slab, SweepScores& scores, int beam, int candidates) {
-  const int nearer = slab.front + 1 - slab.top.begin;
-  if (nearer < front_rows || slab.front_score < least_evidence) return;
-  const int front = slab.candidate + nearer;
+void LevelTop::moveToFront(const Slab& slab, int front, float clear, SweepScores& scores, int beam,
+                           int candidates) {
   float* s = scores.score.row(beam);
-  const float score = s[slab.candidate] + slab.front_score;
+  const float score = std::max(clear, slab.score + slab.top.score + slab.front_score);
   const int to = std::min(candidates - 1, front + peak_reach);
   for (int c = std::max(0, front - peak_reach); c <= to; ++c) {
-    const float here = score * (1.0F - front_slope * static_cast<float>(std::abs(c - front)));
+    const float here = score - front_slope * static_cast<float>(std::abs(c - front));
     if (here <= s[c]) continue;
     s[c] = here;
     scores.top.at(c, beam) = static_cast<std::int16_t>(slab.front + 1 + c - front);
@@ -96,13 +97,19 @@ void LevelTop::moveToFront(const Slab& slab, SweepScores& scores, int beam, int 
 void LevelTop::add(const ComparedFrame& frame, const BearingSelection& selection,
                    SweepScores& scores) {
   if (parameters_.top_length <= 0.0) return;
-  const auto clear = static_cast<float>(1.01 * parameters_.nearer_score);
   const int candidates = frame.sweep.candidates();
+  const auto clear = [&](int candidate) {
+    return above *
+           std::max(static_cast<float>(parameters_.nearer_score), selection.leastScore(candidate));
+  };
   for (int beam = 0; beam < frame.sweep.beams(); ++beam) {
     findSlabs(frame, selection, scores, beam);
     for (const Slab& slab : slabs_) {
-      raise(slab, clear, scores.score.row(beam), candidates);
-      moveToFront(slab, scores, beam, candidates);
+      raise(slab, clear(slab.candidate), scores.score.row(beam), candidates);
+      const int nearer = slab.front + 1 - slab.top.begin;
+      const int front = slab.candidate + nearer;
+      if (nearer >= front_rows && slab.front_score >= least_evidence && front < candidates)
+        moveToFront(slab, front, clear(front), scores, beam, candidates);
     }
   }
 }

@@ -153,13 +153,16 @@ void SweepDetector::fillObstacles(const CurrentView& current, Obstacles& obstacl
       }
     }
     if (bearing.state == BearingState::Free) {
-      const double range = std::min(double{bearing.range}, doubtfulDistance(beam));
-      bearing.range = static_cast<float>(
-          plain_edge_.limit(current, views_.data(), reference_count_, sweep_, beam, range));
+      bearing.range = static_cast<float>(plain_edge_.limit(current, views_.data(), reference_count_,
+                                                           sweep_, beam, double{bearing.range}));
     }
     obstacles.bearings.push_back(bearing);
   }
   free_floor_.limit(obstacles);
+  for (Bearing& bearing : obstacles.bearings)
+    if (bearing.state == BearingState::Free)
+      bearing.range = std::min(bearing.range, static_cast<float>(doubtfulDistance(static_cast<int>(
+                                                  &bearing - obstacles.bearings.data()))));
   withdrawDoubtful(obstacles);
   free_floor_.limitBelowTheView(current_.T_floor_base, obstacles);
 }

@@ -173,8 +173,10 @@ float VerticalSweep::leaningScore(const SweepReference* references, int count, i
 }
 
 float VerticalSweep::levelScore(const SweepReference* references, int count, int beam,
-                                int candidate, int begin, std::int16_t& top) {
+                                int candidate, int begin, float least_score, std::int16_t& top) {
   count = std::min(count, max_references);
+  const auto least =
+      static_cast<std::int32_t>(least_score * static_cast<float>(kernels::cost_unit * count));
   const int farthest = begin - candidate;  // row of the first candidate
   const int highest = first_row_ + candidate - support_rows_;
   const RowRange support = intersection(rows(beam), {std::max(highest, farthest), begin});
@@ -184,7 +186,7 @@ float VerticalSweep::levelScore(const SweepReference* references, int count, int
   lines_.sameBrightness(count);
   for (int row = support.end - 1; row >= support.begin && !climb.over; --row) {
     lines_.aim(references, count, candidate - (begin - row), {row, row + 1});
-    kernels::climbSupport(lines_.paths(), count, terms, row, row + 1, support.begin, 0, climb);
+    kernels::climbSupport(lines_.paths(), count, terms, row, row + 1, support.begin, least, climb);
   }
   top = static_cast<std::int16_t>(climb.best_row);
   return static_cast<float>(climb.best) / static_cast<float>(kernels::cost_unit * count);

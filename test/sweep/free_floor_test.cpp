@@ -138,6 +138,35 @@ TEST_F(Free, ComingNearerTheBeamsBetweenTwoContactsOfOneThingAreBlockedToo) {
   EXPECT_EQ(at(middle + 6).state, BearingState::Free);
 }
 
+TEST_F(Free, AThingThatReachesOutOfTheViewBlocksUpToItsBorder) {
+  contact(middle + 4, 0.5);
+  contact(middle + 6, 0.5);
+  limit();
+  newFrame(0.5);
+  limit({0.26, 0.0, 0.0});  // its ends are 18 and 22 bearings from the left, the view has 21
+  for (int i = middle + 8; i <= 2 * middle; ++i) EXPECT_EQ(at(i).state, BearingState::Blocked) << i;
+  EXPECT_EQ(at(middle + 6).state, BearingState::Free);
+}
+
+TEST_F(Free, WhatOfAThingIsInViewIsLeftToTheView) {
+  contact(middle, 0.42);
+  contact(middle + 2, 0.68);
+  limit();
+  newFrame(0.5);
+  limit({0.05, 0.0, 0.0});  // 0.37 and 0.63 m away
+  EXPECT_EQ(at(middle).state, BearingState::Blocked);
+  EXPECT_EQ(at(middle + 2).state, BearingState::Free);
+}
+
+TEST_F(Free, WhatTheRobotHasPassedBlocksNothing) {
+  contact(middle, 0.5);
+  contact(middle + 1, 0.5);
+  limit();
+  newFrame(0.5);
+  limit({0.8, -0.013, 0.0});  // between the two
+  for (const Bearing& b : obstacles.bearings) EXPECT_EQ(b.state, BearingState::Free);
+}
+
 TEST_F(Free, BetweenTwoThingsTheFloorStaysFree) {
   contact(middle, 0.5);
   contact(middle + 4, 0.5);

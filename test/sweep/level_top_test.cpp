@@ -70,6 +70,16 @@ TEST(LevelTop, AContactIsInFrontOfTheTopNotOnIt) {
   }
 }
 
+/// Maxima beside each other are lifted once, not by each other's evidence.
+TEST(LevelTop, NoScoreIsMoreThanWhatTheFloorAndTheTopSay) {
+  float most = 0.0F;
+  for (const double height : {0.025, 0.03})
+    for (const Contact& contact : answer(height, 0.5, test::smallParameters()).contacts)
+      most = std::max(most, contact.score);
+  EXPECT_GT(most, 15.0F);
+  EXPECT_LT(most, 80.0F);
+}
+
 TEST(LevelTop, AShortTopSaysNothing) {
   const Seen by_face = see(0.03, 0.05, without(0.0));
   const Seen by_top = see(0.03, 0.05, test::smallParameters());

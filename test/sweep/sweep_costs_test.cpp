@@ -370,7 +370,7 @@ TEST_F(Definition, GivesTheScoresOfLevelTops) {
         std::int16_t top = 0;
         sweep.offered(&reference, 1, beam, c);
         sweep.aimBeam(current, &reference, 1, beam);
-        const float score = sweep.levelScore(&reference, 1, beam, c, begin, top);
+        const float score = sweep.levelScore(&reference, 1, beam, c, begin, 0.0F, top);
         EXPECT_NEAR(score, expected, 1.5 + 0.04 * expected) << beam << ' ' << c << ' ' << up;
         EXPECT_LE(top, begin);
         most = std::max(most, expected);

@@ -12,7 +12,8 @@ namespace ipm_mapping::sweep {
 /// like a raised floor. A candidate in view with a doubtful score, between `weak_share` of what is
 /// published and `nearer_score`, gets the evidence of a level surface that begins where its face
 /// ends,
-///   S := max(S + max over t of S_top(t), nearer_score),   top <= t <= top + top_reach,
+///   S := max(S + max over t of S_top(t), clear),   top <= t <= top + top_reach,
+/// clear = max(nearer_score, what is published),
 /// where that surface is seen over `top_length`: what only looks upright (a joint that is not
 /// aligned, a highlight) has none. It hides what scores more and stands behind it.
 /// A face of a few rows is hardly told from the rows of the top: such a candidate may lie on the
@@ -42,7 +43,8 @@ class LevelTop {
                  const SweepScores& scores, int beam);
   [[nodiscard]] Top topOf(const ComparedFrame& frame, int beam, int candidate, int top) const;
   static void raise(const Slab& slab, float clear, float* score, int candidates);
-  static void moveToFront(const Slab& slab, SweepScores& scores, int beam, int candidates);
+  static void moveToFront(const Slab& slab, int front, float clear, SweepScores& scores, int beam,
+                          int candidates);
 
   SelectionParameters parameters_;
   int least_rows_ = 0;       // of a top

@@ -54,9 +54,10 @@ class VerticalSweep {
   /// Score of a level surface as high as sweep row `begin` of the upright line at a candidate of
   /// the aimed beam, of which offered() was asked last, seen from the row above `begin` on: with z
   /// = h (1 - r(begin) / r(candidate)) it is met on row j at (h - z) / r(j), one candidate farther
-  /// a row. `top` is the row where it ends.
+  /// a row. `top` is the row where it ends. One that cannot reach `least_score` may be given as any
+  /// lower score.
   float levelScore(const SweepReference* references, int count, int beam, int candidate, int begin,
-                   std::int16_t& top);
+                   float least_score, std::int16_t& top);
 
   /// The same surface followed from row `begin` towards the robot; `front` is the last of its rows,
   /// `begin` - 1 where it has none.
