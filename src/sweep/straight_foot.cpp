@@ -31,6 +31,8 @@ void StraightFoot::configure(const VerticalSweep& sweep, const FreeFloorParamete
   parameters_ = parameters;
   grid_ = sweep.scoreGrid();
   edge_.configure(sweep, free_floor, parameters);
+  least_support_ = static_cast<int>(
+      std::lround(-std::log1p(-parameters.foot_support) * grid_.candidates_per_log));
   direction_.clear();
   for (int beam = 0; beam < sweep.beams(); ++beam)
     direction_.emplace_back(std::cos(sweep.azimuth(beam)), std::sin(sweep.azimuth(beam)));
@@ -64,7 +66,8 @@ bool StraightFoot::collect(const Scene& scene, int first, Run& run) {
   return static_cast<int>(run_.size()) >= parameters_.foot_beams && measure(scene, run);
 }
 
-/// False where the run is too short, not straight, or no edge of one polarity runs along it.
+/// False where the run is too short, too low, not straight, or no edge of one polarity runs along
+/// it.
 bool StraightFoot::measure(const Scene& scene, Run& run) const {
   const double r_front = run.line.r(direction_[static_cast<std::size_t>(run_.front())]);
   const double r_back = run.line.r(direction_[static_cast<std::size_t>(run_.back())]);
@@ -87,6 +90,7 @@ bool StraightFoot::measure(const Scene& scene, Run& run) const {
     foot.score = first ? choice.score : std::min(foot.score, choice.score);
     foot.support = first ? support : std::min(foot.support, support);
   }
+  if (foot.support < least_support_) return false;
   foot.contrast = sum / static_cast<float>(run_.size());
   return std::abs(sum) == sizes && std::abs(foot.contrast) >= parameters_.foot_contrast;
 }

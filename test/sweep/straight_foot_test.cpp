@@ -33,7 +33,7 @@ class Foot : public PlainWall {
       BeamChoice& choice = at(beam);
       choice.candidate = static_cast<float>(foot(beam) + off);
       choice.score = 30.0F;
-      choice.top = static_cast<int>(sweep.sweepRow(choice.candidate)) - 12;
+      choice.top = static_cast<int>(sweep.sweepRow(choice.candidate)) - support;
     }
   }
   void complete() {
@@ -52,6 +52,7 @@ class Foot : public PlainWall {
   }
 
   std::vector<BeamChoice> choices;
+  int support = 24;  // rows
 };
 
 TEST_F(Foot, APlainFaceBetweenTwoRunsIsCompleted) {
@@ -62,7 +63,7 @@ TEST_F(Foot, APlainFaceBetweenTwoRunsIsCompleted) {
     ASSERT_TRUE(at(beam).any()) << beam;
     EXPECT_NEAR(at(beam).candidate, foot(beam), 1.0) << beam;
     EXPECT_FLOAT_EQ(at(beam).score, 15.0F);
-    EXPECT_NEAR(sweep.sweepRow(at(beam).candidate) - at(beam).top, 12.0, 1.0);
+    EXPECT_NEAR(sweep.sweepRow(at(beam).candidate) - at(beam).top, support, 1.0);
   }
   EXPECT_FLOAT_EQ(at(10).score, 30.0F) << "a contact that was there stays as it is";
 }
@@ -75,6 +76,18 @@ TEST_F(Foot, OneRunIsContinuedByItsReachOnly) {
   EXPECT_EQ(found(0, 12), 0);
   EXPECT_NEAR(found(27, 32), 6, 1);
   EXPECT_EQ(found(34, sweep.beams() - 1), 0);
+}
+
+/// The edge of a rug that a low box stands on looks like its foot.
+TEST_F(Foot, ALowRunIsNotContinued) {
+  support = 18;  // a fifth of the camera's height is 19 rows
+  contacts(8, 14);
+  contacts(30, 36);
+  complete();
+  EXPECT_EQ(found(0, sweep.beams() - 1), 14);
+  parameters.foot_support = 0.15;
+  complete();
+  EXPECT_EQ(found(15, 29), 15) << "nothing else kept it from being continued";
 }
 
 TEST_F(Foot, SwitchedOffNothingIsAdded) {

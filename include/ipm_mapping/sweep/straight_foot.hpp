@@ -28,7 +28,8 @@ class FloorLine {
 /// continued from both its ends, beam by beam, by at most `foot_reach` of its length: a beam
 /// without a contact gets one where FootEdge finds the run's edge near the line, its contrast what
 /// it was along the edge so far. The walk ends at a contact of something else. The run's lowest
-/// score and support are what is known of the foot.
+/// score and support are what is known of the foot; one that is lower than `foot_support`, where
+/// the floor behind an edge is told, is not continued: it may stand at the edge of a rug.
 class StraightFoot {
  public:
   void configure(const VerticalSweep& sweep, const FreeFloorParameters& free_floor,
@@ -56,6 +57,7 @@ class StraightFoot {
   FootParameters parameters_;
   FootEdge edge_;
   ScoreGrid grid_;
+  int least_support_ = 0;                   // rows of every contact of a run
   std::vector<Eigen::Vector2d> direction_;  // of every beam
   std::vector<int> run_;                    // beams of the run at hand
   std::vector<int> contacts_behind_;        // of the run that continued_ is by
