@@ -159,10 +159,11 @@ void SweepDetector::fillObstacles(const CurrentView& current, Obstacles& obstacl
     obstacles.bearings.push_back(bearing);
   }
   free_floor_.limit(obstacles);
-  for (Bearing& bearing : obstacles.bearings)
+  for (int beam = 0; beam < sweep_.beams(); ++beam) {
+    Bearing& bearing = obstacles.bearings[static_cast<std::size_t>(beam)];
     if (bearing.state == BearingState::Free)
-      bearing.range = std::min(bearing.range, static_cast<float>(doubtfulDistance(static_cast<int>(
-                                                  &bearing - obstacles.bearings.data()))));
+      bearing.range = std::min(bearing.range, static_cast<float>(doubtfulDistance(beam)));
+  }
   withdrawDoubtful(obstacles);
   free_floor_.limitBelowTheView(current_.T_floor_base, obstacles);
 }

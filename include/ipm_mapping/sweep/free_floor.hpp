@@ -12,7 +12,8 @@ namespace ipm_mapping::sweep {
 /// floor too, so its neighbourhood decides:
 ///  - beside a contact nothing farther is free (`free_halo` beams),
 ///  - between two contacts closer together than `free_gap` nothing behind their line is free,
-///  - what stood in the way and has passed below the image still stands there (`near_memory`).
+///  - what stood in the way and has passed below the image still stands there, along the whole line
+///    between its contacts (`near_memory`).
 /// A beam that sees no floor although both its neighbours do looks along a joint of the tiles: it
 /// is as free as they are.
 class FreeFloor {
