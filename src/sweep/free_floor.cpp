@@ -41,7 +41,7 @@ int bearingAt(const std::vector<Bearing>& bearings, double index) {
 double crossing(const Bearing& bearing, const Eigen::Vector2d& p, const Eigen::Vector2d& q) {
   const Eigen::Vector2d ray(std::cos(bearing.angle), std::sin(bearing.angle));
   const double along = cross(ray, q - p);
-  return std::abs(along) > 1e-9 ? cross(p, q - p) / along : p.norm();
+  return std::abs(along) > 1e-9 ? cross(p, q - p) / along : std::min(p.norm(), q.norm());
 }
 
 /// A line from p to q, seen at places i to j; what of it is nearer than the view hides the floor

@@ -23,7 +23,7 @@ void LevelTop::configure(const VerticalSweep& sweep, const SelectionParameters& 
   const auto rows = [&](double log) { return log * grid.candidates_per_log; };
   least_rows_ = std::max(1, static_cast<int>(std::lround(rows(parameters.top_length))));
   const double lower = std::clamp(parameters.least_height / grid.height, 0.0, 0.9);
-  least_face_ = std::max(face_rows, static_cast<int>(std::ceil(rows(-std::log1p(-lower)))));
+  least_face_ = std::max(face_rows, static_cast<int>(std::ceil(grid.rowsUp(lower))));
   flat_face_ = static_cast<int>(std::lround(rows(flat_face)));
   slabs_.reserve(static_cast<std::size_t>(std::max(0, sweep.candidates())));
 }

@@ -8,9 +8,7 @@ namespace ipm_mapping::sweep {
 
 void PlainEdge::configure(const VerticalSweep& sweep, const FreeFloorParameters& free_floor,
                           const FootParameters& parameters) {
-  const double rows_per_log = 1.0 / std::log(sweep.r(1.0) / sweep.r(0.0));
-  support_rows_ =
-      static_cast<int>(std::lround(-std::log(1.0 - parameters.foot_support) * rows_per_log));
+  support_rows_ = static_cast<int>(std::lround(sweep.scoreGrid().rowsUp(parameters.foot_support)));
   doubt_ = static_cast<float>(parameters.foot_doubt);
   least_step_ = static_cast<std::int32_t>(
       std::lround(2.0 * kernels::beam_lines * kernels::grey_unit * free_floor.free_edge));

@@ -31,8 +31,7 @@ void StraightFoot::configure(const VerticalSweep& sweep, const FreeFloorParamete
   parameters_ = parameters;
   grid_ = sweep.scoreGrid();
   edge_.configure(sweep, free_floor, parameters);
-  least_support_ = static_cast<int>(
-      std::lround(-std::log1p(-parameters.foot_support) * grid_.candidates_per_log));
+  least_support_ = static_cast<int>(std::lround(grid_.rowsUp(parameters.foot_support)));
   direction_.clear();
   for (int beam = 0; beam < sweep.beams(); ++beam)
     direction_.emplace_back(std::cos(sweep.azimuth(beam)), std::sin(sweep.azimuth(beam)));

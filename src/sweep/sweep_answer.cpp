@@ -152,10 +152,9 @@ void SweepDetector::fillObstacles(const CurrentView& current, Obstacles& obstacl
         bearing.range = std::min(bearing.range, static_cast<float>(d));
       }
     }
-    if (bearing.state == BearingState::Free) {
+    if (bearing.state == BearingState::Free)
       bearing.range = static_cast<float>(plain_edge_.limit(current, views_.data(), reference_count_,
                                                            sweep_, beam, double{bearing.range}));
-    }
     obstacles.bearings.push_back(bearing);
   }
   free_floor_.limit(obstacles);

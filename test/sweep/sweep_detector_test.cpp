@@ -113,6 +113,15 @@ TEST(SweepDetector, WhatIsTooLowIsNoObstacleAndNoFreeFloorEither) {
     } else {
       EXPECT_TRUE(drive.obstacles.contacts.empty());
       parameters.selection.least_height = 0.0;
+      parameters.selection.top_length = 0.0;
+      Drive by_face(parameters);
+      by_face.scene.boxes = drive.scene.boxes;
+      ASSERT_EQ(by_face.along(0.0, 0.3, 5), FrameStatus::Used);
+      EXPECT_GE(by_face.obstacles.contacts.size(), 2U);
+      for (const Contact& c : by_face.obstacles.contacts)
+        EXPECT_NE(drive.obstacles.bearings[static_cast<std::size_t>(c.bearing)].state,
+                  BearingState::Free);
+      parameters.selection.top_length = test::smallParameters().selection.top_length;
       Drive all(parameters);
       all.scene.boxes = drive.scene.boxes;
       ASSERT_EQ(all.along(0.0, 0.3, 5), FrameStatus::Used);

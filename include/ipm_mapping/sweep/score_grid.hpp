@@ -21,6 +21,10 @@ struct ScoreGrid {
   [[nodiscard]] double candidateOfSlope(double r) const {
     return candidates_per_log * std::log(r / first_slope);
   }
+  /// Rows from the foot of an upright line to a point of it, `share` of the camera's height up.
+  [[nodiscard]] double rowsUp(double share) const {
+    return -std::log1p(-share) * candidates_per_log;
+  }
   [[nodiscard]] double candidate(double distance) const {
     return candidateOfSlope(height / distance);
   }
