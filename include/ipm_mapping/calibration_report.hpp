@@ -28,4 +28,7 @@ struct CalibrationReport {
 /// What to change, as sentences for people; says so when all is well or little is known.
 [[nodiscard]] std::string advice(const CalibrationReport& report);
 
+/// What has to be told unasked: the pose in force is surely wrong, and what to do. Empty otherwise.
+[[nodiscard]] std::string concern(const CalibrationReport& report);
+
 }  // namespace ipm_mapping

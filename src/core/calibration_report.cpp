@@ -40,4 +40,9 @@ std::string advice(const CalibrationReport& r) {
   return words.empty() ? "the stated pose fits what the floor shows" : words;
 }
 
+std::string concern(const CalibrationReport& r) {
+  if (r.applied || !(r.pitch_off || r.roll_off || r.height_off)) return {};
+  return advice(r) + "; or let calibration/mode apply the estimate";
+}
+
 }  // namespace ipm_mapping

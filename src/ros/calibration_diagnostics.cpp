@@ -27,8 +27,7 @@ void showCalibration(const CalibrationReport& r, StageMonitor& monitor) {
   show(monitor, "odometry_scale_percent", r.scale, 100.0, 1.0);
   show(monitor, "odometry_turn_percent", r.turn_scale, 100.0, 1.0);
   show(monitor, "odometry_yaw_rate_deg_s", r.yaw_rate, degrees);
-  const bool off = r.pitch_off || r.roll_off || r.height_off;
-  monitor.setConcern(off && !r.applied ? advice(r) : std::string());
+  monitor.setConcern(concern(r));
 }
 
 }  // namespace ipm_mapping

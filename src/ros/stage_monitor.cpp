@@ -7,7 +7,7 @@
 namespace ipm_mapping {
 namespace {
 
-constexpr double repeat_seconds = 5.0;
+constexpr double repeat_seconds = 5.0, repeat_concern_seconds = 60.0;
 constexpr std::size_t remembered_sentences = 64;
 
 using diagnostic_msgs::DiagnosticStatus;
@@ -68,6 +68,15 @@ void StageMonitor::answered(FrameStatus status, const ros::Time& stamp,
     default:
       return dropped(ipm_mapping::name(status), sentence);
   }
+}
+
+void StageMonitor::setConcern(const std::string& sentence) {
+  concern_ = sentence;
+  if (sentence.empty()) return;
+  const ros::WallTime now = ros::WallTime::now();
+  if (!concern_said_.isZero() && (now - concern_said_).toSec() < repeat_concern_seconds) return;
+  concern_said_ = now;
+  ROS_WARN_STREAM(name_ << ": " << sentence);
 }
 
 std::uint64_t StageMonitor::counter(const std::string& reason) const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 
 namespace ipm_mapping::sweep {
 namespace {
@@ -43,7 +44,7 @@ LevelTop::Top LevelTop::topOf(const ComparedFrame& frame, int beam, int candidat
 }
 
 void LevelTop::findSlabs(const ComparedFrame& frame, const BearingSelection& selection,
-                         const SweepScores& scores, int beam) {
+                         const SweepScores& scores, int beam, double farthest) {
   slabs_.clear();
   VerticalSweep& sweep = frame.sweep;
   const float* s = scores.score.row(beam);
@@ -55,6 +56,7 @@ void LevelTop::findSlabs(const ComparedFrame& frame, const BearingSelection& sel
   for (int c = 1; c < end; ++c) {
     if (!(s[c] > 0.0F) || s[c] < s[c - 1] || !(s[c] > s[c + 1])) continue;
     if (s[c] < share * selection.leastScore(c) || s[c] > clear) continue;
+    if (sweep.distance(c) > farthest) continue;
     if (!aimed) {
       sweep.offered(frame.references, frame.count, beam, c);
       sweep.aimBeam(frame.current, frame.references, frame.count, beam);
@@ -94,7 +96,15 @@ void LevelTop::moveToFront(const Slab& slab, int front, float clear, SweepScores
   }
 }
 
-void LevelTop::add(const ComparedFrame& frame, const BearingSelection& selection,
+/// A floor point that is seen at r but is at r + tilt moves as one that is z high, with
+/// r^2 / (h - z) = (r + tilt)^2 / h.
+double LevelTop::farthest(double tilt) const {
+  const double raised = 2.0 * tilt;  // per metre
+  return raised > 0.0 ? 0.5 * parameters_.least_height / raised
+                      : std::numeric_limits<double>::infinity();
+}
+
+void LevelTop::add(const ComparedFrame& frame, const BearingSelection& selection, const Sway& tilt,
                    SweepScores& scores) {
   if (parameters_.top_length <= 0.0) return;
   const int candidates = frame.sweep.candidates();
@@ -103,7 +113,7 @@ void LevelTop::add(const ComparedFrame& frame, const BearingSelection& selection
            std::max(static_cast<float>(parameters_.nearer_score), selection.leastScore(candidate));
   };
   for (int beam = 0; beam < frame.sweep.beams(); ++beam) {
-    findSlabs(frame, selection, scores, beam);
+    findSlabs(frame, selection, scores, beam, farthest(tilt.at(frame.sweep.azimuth(beam))));
     for (const Slab& slab : slabs_) {
       raise(slab, clear(slab.candidate), scores.score.row(beam), candidates);
       const int nearer = slab.front + 1 - slab.top.begin;

@@ -158,6 +158,12 @@ bool SelfCalibration::worthApplying() const {
          stated_.height * change[I::LogHeight] > std::max(p.apply_height, height);
 }
 
+Sway SelfCalibration::remainingTilt() const {
+  if (learnt_.pairs == 0) return {};
+  const Eigen::Vector3d tilt = stated_.axes * (learnt_.state - rectified_with_).head<3>();
+  return {tilt.y(), tilt.x()};
+}
+
 CalibrationReport SelfCalibration::report() const {
   const CalibrationParameters& p = parameters_;
   const double height = stated_.height * std::exp(learnt_.state[I::LogHeight]);

@@ -146,7 +146,8 @@ void SweepDetector::findContacts(const CurrentView& view) {
   const SelectionParameters& p = parameters_.selection;
   sweep_.evaluate(view, views_.data(), reference_count_,
                   static_cast<float>(p.weak_share * p.publish_score), scores_);
-  level_top_.add({view, views_.data(), reference_count_, sweep_}, selection_, scores_);
+  level_top_.add({view, views_.data(), reference_count_, sweep_}, selection_,
+                 calibration_.remainingTilt(), scores_);
   lap("vertical_sweep");
   selection_.select(scores_, choices_);
   leaning_.refine(view, views_.data(), reference_count_, sweep_, scores_, choices_);

@@ -83,6 +83,9 @@ void summarize(const OfflineRun& run, const std::string& out) {
   std::printf("%llu frames read, %llu used, %llu contacts, %.2f ms a used frame\n",
               static_cast<unsigned long long>(r.images), static_cast<unsigned long long>(r.used()),
               static_cast<unsigned long long>(r.contacts), ms);
+  if (const auto calibration = run.detector().calibration())
+    if (const std::string words = concern(*calibration); !words.empty())
+      std::printf("warning: %s\n", words.c_str());
   std::printf(
       "results in %s: map.png, overlay.png, map.pgm, map.yaml, points.csv, obstacles.csv, "
       "trajectory.csv, report.json\n",

@@ -4,6 +4,7 @@
 
 #include <dynamic_reconfigure/Reconfigure.h>
 #include <gtest/gtest.h>
+#include <rosgraph_msgs/Log.h>
 
 #include <cmath>
 #include <memory>
@@ -27,6 +28,7 @@ class Calibration : public testing::Test {
         off_(node_, "/off/obstacles"),
         apply_(node_, "/apply/obstacles"),
         switched_(node_, "/switched/obstacles"),
+        console_(node_, "/rosout"),
         topics_(node_) {}
 
   void SetUp() override {
@@ -68,6 +70,16 @@ class Calibration : public testing::Test {
         return true;
     return false;
   }
+  /// The same once on the console, where people look.
+  [[nodiscard]] std::size_t saidOnTheConsole(const std::string& nodelet) const {
+    std::size_t times = 0;
+    for (const auto& message : console_.all)
+      if (message->level == rosgraph_msgs::Log::WARN &&
+          message->msg.find(nodelet) != std::string::npos &&
+          message->msg.find("than stated: change the pitch") != std::string::npos)
+        ++times;
+    return times;
+  }
   [[nodiscard]] static bool switchToApply() {
     dynamic_reconfigure::Reconfigure request;
     request.request.config.strs.resize(1);
@@ -93,6 +105,7 @@ class Calibration : public testing::Test {
   ros::NodeHandle node_;
   Diagnostics diagnostics_;
   Collected<ObstacleArray> off_, apply_, switched_;
+  Collected<rosgraph_msgs::Log> console_;
   RobotTopics topics_;
 };
 
@@ -128,6 +141,8 @@ TEST_F(Calibration, ApplyRecoversThePitchReportTellsItAndOffDoesNothing) {
   }
   EXPECT_TRUE(warned(reporter));
   EXPECT_FALSE(warned("off/detector"));
+  EXPECT_TRUE(waitFor([&] { return saidOnTheConsole("switched") > 0; }));
+  EXPECT_EQ(saidOnTheConsole("off/detector"), 0U);
 
   ASSERT_TRUE(answered(frame - 1));
   const std::size_t answers_before[2] = {apply_.size(), switched_.size()};

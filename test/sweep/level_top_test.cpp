@@ -20,15 +20,18 @@ struct Seen {
   std::size_t free = 0;
 };
 
-/// The last answer about a slab `height` high and `depth` deep.
-Obstacles answer(double height, double depth, const SweepParameters& parameters) {
+test::GrainedScene slab(double height, double depth) {
   test::GrainedScene scene(test::smallCamera(), test::smallCameraPose());
   scene.boxes = {{face, face + depth, -0.3, 0.3, height}};
-  return test::answerAfter(scene, parameters, way);
+  return scene;
 }
 
-Seen see(double height, double depth, const SweepParameters& parameters) {
-  const Obstacles obstacles = answer(height, depth, parameters);
+/// The last answer about a slab `height` high and `depth` deep.
+Obstacles answer(double height, double depth, const SweepParameters& parameters) {
+  return test::answerAfter(slab(height, depth), parameters, way);
+}
+
+Seen see(const Obstacles& obstacles) {
   Seen seen;
   for (const Contact& contact : obstacles.contacts) {
     const double off = way + static_cast<double>(contact.p_base.x()) - face;
@@ -46,14 +49,18 @@ Seen see(double height, double depth, const SweepParameters& parameters) {
   return seen;
 }
 
-SweepParameters without(double length) {
+SweepParameters topsFrom(double length) {
   SweepParameters p = test::smallParameters();
   p.selection.top_length = length;
   return p;
 }
 
+Seen see(double height, double depth, const SweepParameters& parameters) {
+  return see(answer(height, depth, parameters));
+}
+
 TEST(LevelTop, ALowSlabIsFoundByItsTop) {
-  const Seen by_face = see(0.03, 0.5, without(0.0)),
+  const Seen by_face = see(0.03, 0.5, topsFrom(0.0)),
              by_top = see(0.03, 0.5, test::smallParameters());
   EXPECT_LE(by_face.contacts, 4U);
   EXPECT_GE(by_top.contacts, 12U);
@@ -80,16 +87,34 @@ TEST(LevelTop, NoScoreIsMoreThanWhatTheFloorAndTheTopSay) {
 }
 
 TEST(LevelTop, AShortTopSaysNothing) {
-  const Seen by_face = see(0.03, 0.05, without(0.0));
+  const Seen by_face = see(0.03, 0.05, topsFrom(0.0));
   const Seen by_top = see(0.03, 0.05, test::smallParameters());
   EXPECT_EQ(by_top.contacts, by_face.contacts);
 }
 
 TEST(LevelTop, WhatIsTooLowToBeAnObstacleHasNone) {
-  SweepParameters by_face = without(0.0), by_top = test::smallParameters();
+  SweepParameters by_face = topsFrom(0.0), by_top = test::smallParameters();
   by_face.selection.least_height = by_top.selection.least_height = 0.05;
   EXPECT_EQ(answer(0.03, 0.5, by_top).candidates.size(),
             answer(0.03, 0.5, by_face).candidates.size());
+}
+
+/// The floor looks raised then as well.
+TEST(LevelTop, IsNotLookedForWhereThePoseIsKnownToBeStatedTooFlat) {
+  const test::GrainedScene scene = slab(0.03, 0.5);
+  CalibrationParameters off, report;
+  off.mode = CalibrationMode::Off;
+  report.row_step = 5;
+  report.line_step = 7;
+  const auto contacts = [&](double top_length, const CalibrationParameters& p, double too_flat) {
+    return test::answerAfter(scene, topsFrom(top_length), way, p, too_flat).contacts.size();
+  };
+  constexpr double tilt = 0.7 * M_PI / 180.0;
+  const double length = test::smallParameters().selection.top_length;
+  const std::size_t by_face = contacts(0.0, off, tilt);
+  EXPECT_EQ(contacts(length, report, tilt), by_face);
+  EXPECT_GE(contacts(length, off, tilt), by_face + 3);
+  EXPECT_EQ(contacts(length, report, -tilt), contacts(length, off, -tilt));
 }
 
 /// A share of what it takes to be published is enough for floor not to be promised.
@@ -113,7 +138,7 @@ TEST(LevelTop, BareFloorStaysFree) {
   const Seen seen = see(0.0, 0.1, test::smallParameters());
   EXPECT_EQ(seen.contacts + seen.elsewhere, 0U);
   EXPECT_GT(seen.free, 40U);
-  EXPECT_EQ(seen.free, see(0.0, 0.1, without(0.0)).free);
+  EXPECT_EQ(seen.free, see(0.0, 0.1, topsFrom(0.0)).free);
 }
 
 }  // namespace

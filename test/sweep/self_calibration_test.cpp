@@ -70,9 +70,9 @@ Frame frameOf(std::size_t i, const Odometry& odometry) {
   return frame;
 }
 
-CalibrationReport check(const CameraPose& stated, const Odometry& odometry = honest,
-                        const CalibrationParameters& parameters = smallCalibration(),
-                        int pairs = std::numeric_limits<int>::max()) {
+SelfCalibration learn(const CameraPose& stated, const Odometry& odometry,
+                      const CalibrationParameters& parameters = smallCalibration(),
+                      int pairs = std::numeric_limits<int>::max()) {
   CameraCheck check(test::smallParameters(), parameters);
   check.setCamera(test::smallCamera(), stated);
   Obstacles obstacles;
@@ -80,7 +80,13 @@ CalibrationReport check(const CameraPose& stated, const Odometry& odometry = hon
     check.process(frameOf(i, odometry), obstacles);
     if (check.calibration()->pairs == pairs) break;
   }
-  return *check.calibration();
+  return check.learnt();
+}
+
+CalibrationReport check(const CameraPose& stated, const Odometry& odometry = honest,
+                        const CalibrationParameters& parameters = smallCalibration(),
+                        int pairs = std::numeric_limits<int>::max()) {
+  return learn(stated, odometry, parameters, pairs).report();
 }
 
 CameraPose statedPose(double pitch_error, double height_error) {
@@ -125,6 +131,24 @@ TEST(SelfCalibration, TheFirstPairsAreAlignedToTheEnd) {
   ASSERT_EQ(r.pairs, 2);
   EXPECT_NEAR(r.height.estimate, longer.height.estimate, 0.0005) << told(r) << told(longer);
   EXPECT_NEAR(r.pitch.estimate, longer.pitch.estimate, 0.02 * degree) << told(r) << told(longer);
+}
+
+/// Axes of the base, wherever the camera looks: the same drive of a robot whose x axis points
+/// aside.
+TEST(SelfCalibration, RemainingTiltIsInAxesOfTheBase) {
+  for (const double heading : {0.0, M_PI / 2.0}) {
+    const SE2 T_base_drawn{0.0, 0.0, heading};
+    const auto turned = [&](const SE2& truth, double) { return truth * T_base_drawn.inverse(); };
+    CameraPose stated = CameraPose::Identity();
+    stated.rotate(Eigen::AngleAxisd(heading, Eigen::Vector3d::UnitZ()));
+    stated = stated * statedPose(-degree, 0.0);
+    SelfCalibration calibration = learn(stated, turned);
+    const Sway tilt = calibration.remainingTilt();
+    EXPECT_NEAR(tilt.at(heading), degree, pitch_tolerance) << heading;
+    EXPECT_NEAR(tilt.at(heading + M_PI / 2.0), 0.0, 0.2 * degree) << heading;
+    calibration.setCamera(stated);
+    EXPECT_EQ(calibration.remainingTilt().size(), 0.0);
+  }
 }
 
 TEST(SelfCalibration, RollIsFoundOut) {
@@ -246,7 +270,7 @@ TEST(CameraCheck, MeasuresThatTheFloorFitsBetterThanAsStated) {
   EXPECT_NEAR(pitchOf(check.T_base_estimated()), 0.42, pitch_tolerance);
 }
 
-/// The detector: `report` leaves the answer alone, `apply` works with the estimate.
+/// The detector: `report` leaves the pose alone, `apply` works with the estimate.
 class CalibratedDetector : public ::testing::Test {
  protected:
   void drive(CalibrationMode mode, const CameraPose& stated) {

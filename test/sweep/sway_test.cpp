@@ -41,6 +41,17 @@ class SwayTest : public ::testing::Test {
   std::vector<RowRange> seen;
 };
 
+TEST(Sway, LooksDownByWhatTheAttitudeSays) {
+  const Sway sway{0.004, -0.003};
+  const Eigen::Matrix3d R = (Eigen::AngleAxisd(sway.pitch, Eigen::Vector3d::UnitY()) *
+                             Eigen::AngleAxisd(sway.roll, Eigen::Vector3d::UnitX()))
+                                .matrix();
+  for (const double azimuth : {-1.2, 0.0, 0.5, 2.0}) {
+    const Eigen::Vector3d ahead(std::cos(azimuth), std::sin(azimuth), 0.0);
+    EXPECT_NEAR(-std::asin((R * ahead).z()), sway.at(azimuth), 2e-5) << azimuth;
+  }
+}
+
 TEST_F(SwayTest, RemovedItIsGone) {
   const Image<std::uint8_t> level = rectified({});
   Image<std::uint8_t> removed(grid.rows, grid.lines);

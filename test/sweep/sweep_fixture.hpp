@@ -128,11 +128,16 @@ inline sweep::SweepParameters smallParameters() {
   return p;
 }
 
-/// What a detector says at the end of a straight drive in five steps.
+/// What a detector says at the end of a straight drive in five steps, the camera's pitch stated too
+/// flat or not.
 inline Obstacles answerAfter(const GrainedScene& scene, const sweep::SweepParameters& parameters,
-                             double way) {
-  sweep::SweepDetector detector(parameters);
-  detector.setCamera(scene.camera, scene.T_base_camera);
+                             double way, const CalibrationParameters& calibration = {},
+                             double too_flat = 0.0) {
+  sweep::SweepDetector detector(parameters, calibration);
+  CameraPose T_base_stated = scene.T_base_camera;
+  T_base_stated.linear() =
+      Eigen::AngleAxisd(-too_flat, Eigen::Vector3d::UnitY()).matrix() * T_base_stated.linear();
+  detector.setCamera(scene.camera, T_base_stated);
   Obstacles obstacles;
   for (int i = 0; i <= 5; ++i) {
     const SE2 pose{way / 5.0 * i, 0.0, 0.0};

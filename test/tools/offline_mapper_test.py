@@ -134,6 +134,19 @@ class OfflineMapper(unittest.TestCase):
         distance = sorted(abs(float(row["x_odom"]) - 1.6) for row in points)
         self.assertLess(distance[len(distance) // 2], 0.02)
 
+    def test_warns_of_a_pose_that_is_stated_wrongly_until_it_is_applied(self):
+        write_bag(self.bag, frames=40)
+        def told(pitch, *arguments):
+            result = self.run_it(self.bag, "--out", self.out, "--camera-info", self.calibration,
+                                 "--camera-pose=0,0,%g,%g" % (CAMERA_HEIGHT, pitch), *arguments)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            return [line for line in result.stdout.splitlines() if line.startswith("warning: ")]
+        self.assertEqual(told(PITCH), [])
+        warnings = told(PITCH - math.radians(1.5))
+        self.assertEqual(len(warnings), 1)
+        self.assertIn("lower than stated: change the pitch from 0.4238 to 0.4", warnings[0])
+        self.assertEqual(told(PITCH - math.radians(1.5), "--set", "calibration/mode=apply"), [])
+
     def test_overlays_of_every_third_used_frame(self):
         write_bag(self.bag, info=True)
         result = self.run_it(self.bag, "--out", self.out, self.pose, "--overlays", "3")

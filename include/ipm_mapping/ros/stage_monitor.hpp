@@ -46,8 +46,9 @@ class StageMonitor {
 
   /// A figure that diagnostics show.
   void set(const std::string& name, double value) { values_[name] = value; }
-  /// A sentence that turns OK into WARN until it is taken back (empty).
-  void setConcern(const std::string& sentence) { concern_ = sentence; }
+  /// A sentence that turns OK into WARN until it is taken back (empty). On the console as well, but
+  /// rarely, for the figures in it may change with every frame.
+  void setConcern(const std::string& sentence);
   /// Nobody listens: no input is no fault.
   void setAsleep(bool asleep) { asleep_ = asleep; }
   [[nodiscard]] std::uint64_t counter(const std::string& reason) const;
@@ -68,6 +69,7 @@ class StageMonitor {
   std::map<std::string, std::uint64_t> counters_;
   std::map<std::string, double> values_;
   std::map<std::string, ros::WallTime> said_;
+  ros::WallTime concern_said_;
   Period period_;
   ros::WallTime period_start_ = ros::WallTime::now();
   bool asleep_ = false;

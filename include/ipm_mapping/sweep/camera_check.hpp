@@ -33,6 +33,7 @@ class CameraCheck : public Detector {
   [[nodiscard]] const CameraModel& camera() const { return camera_; }
   [[nodiscard]] const CameraPose& T_base_stated() const { return T_base_camera_; }
   [[nodiscard]] CameraPose T_base_estimated() const;
+  [[nodiscard]] const SelfCalibration& learnt() const { return calibration_; }
   /// The frame whose floor was measured best; without a picture if there was none.
   [[nodiscard]] const RegistrationView& view() const { return view_; }
   /// Lengths of all shifts of all frames, raw pixels.

@@ -4,6 +4,7 @@
 
 #include "ipm_mapping/sweep/bearing_selection.hpp"
 #include "ipm_mapping/sweep/foot_edge.hpp"
+#include "ipm_mapping/sweep/sway.hpp"
 
 namespace ipm_mapping::sweep {
 
@@ -16,14 +17,18 @@ namespace ipm_mapping::sweep {
 /// clear = max(nearer_score, what is published),
 /// where that surface is seen over `top_length`: what only looks upright (a joint that is not
 /// aligned, a highlight) has none. It hides what scores more and stands behind it.
-/// A face of a few rows is hardly told from the rows of the top: such a candidate may lie on the
-/// top itself. Its surface is followed towards the robot, and what it stands on is where that ends.
+/// A pose that is stated too flat makes the floor itself look raised, by 2 tilt d at the distance
+/// d: from where that is half of the lowest obstacle, nothing has a top. A face of a few rows is
+/// hardly told from the rows of the top: such a candidate may lie on the top itself. Its surface is
+/// followed towards the robot, and what it stands on is where that ends.
 class LevelTop {
  public:
   void configure(const VerticalSweep& sweep, const SelectionParameters& parameters);
 
-  /// Raises the scores of doubtful candidates, and of those around them, that have a top.
-  void add(const ComparedFrame& frame, const BearingSelection& selection, SweepScores& scores);
+  /// Raises the scores of doubtful candidates, and of those around them, that have a top. `tilt`:
+  /// what is known to be wrong with the pose in force.
+  void add(const ComparedFrame& frame, const BearingSelection& selection, const Sway& tilt,
+           SweepScores& scores);
 
  private:
   /// A level surface from sweep row `begin` upward.
@@ -40,7 +45,8 @@ class LevelTop {
     float front_score;
   };
   void findSlabs(const ComparedFrame& frame, const BearingSelection& selection,
-                 const SweepScores& scores, int beam);
+                 const SweepScores& scores, int beam, double farthest);
+  [[nodiscard]] double farthest(double tilt) const;
   [[nodiscard]] Top topOf(const ComparedFrame& frame, int beam, int candidate, int top) const;
   static void raise(const Slab& slab, float clear, float* score, int candidates);
   static void moveToFront(const Slab& slab, int front, float clear, SweepScores& scores, int beam,

@@ -51,6 +51,9 @@ class SelfCalibration {
   [[nodiscard]] bool confident() const;
   /// The estimate is worth working with instead of the one in force.
   [[nodiscard]] bool worthApplying() const;
+  /// How the camera's true attitude differs from the one in force, as far as is known; none before
+  /// the first pair.
+  [[nodiscard]] Sway remainingTilt() const;
   /// The correction that frames are rectified with.
   [[nodiscard]] const CalibrationVector& inForce() const { return rectified_with_; }
   /// Beside the stated pose.

@@ -15,6 +15,10 @@ struct Sway {
   double pitch = 0.0, roll = 0.0;
 
   [[nodiscard]] double size() const { return std::hypot(pitch, roll); }
+  /// How much farther down what is straight ahead at an azimuth is looked at.
+  [[nodiscard]] double at(double azimuth) const {
+    return pitch * std::cos(azimuth) - roll * std::sin(azimuth);
+  }
 };
 
 /// Takes a rectified image to another attitude of the camera. A sway (p, q) moves what is seen at
