@@ -143,13 +143,14 @@ class Run:
             by_stamp.setdefault(float(row["stamp"]), []).append(point)
         return {stamp: np.array(points) for stamp, points in by_stamp.items()}
 
-    def free_bearings(self):
-        """Angles and free ranges (n, 2) of the bearings reported free at each stamp."""
+    def bearing_table(self):
+        """Angle, range and whether that range is reported free or up to a contact (n, 4) of the
+        bearings of each stamp."""
         by_stamp = {}
         for row in self.bearings:
-            if row["state"] == "free":
-                bearing = (float(row["angle_rad"]), float(row["range_m"]))
-                by_stamp.setdefault(float(row["stamp"]), []).append(bearing)
+            bearing = (float(row["angle_rad"]), float(row["range_m"]), row["state"] == "free",
+                       row["state"] == "occupied")
+            by_stamp.setdefault(float(row["stamp"]), []).append(bearing)
         return {stamp: np.array(bearings) for stamp, bearings in by_stamp.items()}
 
     def occupied_cells(self):
@@ -201,6 +202,7 @@ class _Tally:
         self.asked, self.found = {}, {}
         self.visible_cells = set()
         self.free = self.free_beyond = 0
+        self.free_way = self.true_way = 0.0  # metres, over all bearings
 
 
 def _score_contacts(truth, contacts, pose, tally):
@@ -232,12 +234,17 @@ def _score_bearings(truth, world, pose, tally):
         tally.visible_cells.add(tuple(np.floor(targets[k] / CELL).astype(int)))
 
 
-def _score_free(truth, free, pose, tally):
-    """Free ranges that end more than the tolerance behind the first outline along them."""
+def _score_free(truth, bearings, pose, tally):
+    """Free ranges that end more than the tolerance behind the first outline along them, and how
+    much of the way to that outline, as far as ranges count, is free."""
     foot = truth.to_world(pose, [truth.place[:2]])[0]
-    distance, _ = truth.first_outlines(foot, pose[2] + free[:, 0])
-    tally.free += len(free)
-    tally.free_beyond += int((free[:, 1] > distance + TOLERANCE).sum())
+    distance, _ = truth.first_outlines(foot, pose[2] + bearings[:, 0])
+    free, occupied = bearings[:, 2] > 0, bearings[:, 3] > 0
+    tally.free += int(free.sum())
+    tally.free_beyond += int((bearings[free, 1] > distance[free] + TOLERANCE).sum())
+    way = np.minimum(distance, FAR - np.hypot(*truth.place[:2]))
+    tally.free_way += np.minimum(bearings[:, 1], way)[free | occupied].sum()
+    tally.true_way += way.sum()
 
 
 def _map_figures(truth, cells, tally):
@@ -267,7 +274,7 @@ def score(truth, run):
     """Every figure of a run as a dictionary; None where there is nothing to take a share of."""
     if truth.start is None:
         truth.start = min(run.stamps(), default=0.0)
-    contacts, free = run.contacts(), run.free_bearings()
+    contacts, bearings = run.contacts(), run.bearing_table()
     tally = _Tally()
     used = 0
     for stamp in run.stamps():
@@ -277,8 +284,7 @@ def score(truth, run):
         used += 1
         world = _score_contacts(truth, contacts.get(stamp, np.zeros((0, 2))), pose, tally)
         _score_bearings(truth, world, pose, tally)
-        if stamp in free:
-            _score_free(truth, free[stamp], pose, tally)
+        _score_free(truth, bearings[stamp], pose, tally)
     errors = np.minimum(np.array(tally.errors), 1.0)  # one stray point must not own the p90
     asked = sum(tally.asked.values())
     with_contact = {(row["frame"], row["bearing"]) for row in run.points}
@@ -293,6 +299,7 @@ def score(truth, run):
         "contact_bearings_percent": percent(len(with_contact), len(run.bearings)),
         "free_bearings": tally.free,
         "free_beyond_percent": percent(tally.free_beyond, tally.free),
+        "free_way_percent": percent(tally.free_way, tally.true_way),
     }
     figures.update(_map_figures(truth, run.occupied_cells(), tally))
     figures["kinds"] = _kind_figures(tally)

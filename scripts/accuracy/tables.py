@@ -9,7 +9,7 @@ COLUMNS = [
     ("false_percent", "false %"), ("median_error_cm", "median cm"), ("p90_error_cm", "p90 cm"),
     ("recall_percent", "recall %"), ("map_false_cells_percent", "map false %"),
     ("map_coverage_percent", "map coverage %"), ("free_beyond_percent", "free beyond %"),
-    ("points", "points"), ("frames_used", "frames"),
+    ("free_way_percent", "free way %"), ("points", "points"), ("frames_used", "frames"),
 ]
 
 # Table 7.2 of the source: false points of its experiment 2, judged by eye.
@@ -26,7 +26,8 @@ included. *Recall*: of the bearings whose first obstacle is visible between 0.4 
 with a contact within 10 cm of it. *Map*: occupied 5 cm cells with the odometry as recorded;
 coverage is of the outline cells that were ever visible within 2 m. *Free beyond*: of the bearings
 reported free, the share whose free range ends more than 10 cm behind the first outline along them:
-floor that is promised where something stands. Frames stand for themselves, except that the default
+floor that is promised where something stands. *Free way*: of the way to the first outline, or 2 m,
+over all bearings, the share that is reported free. Frames stand for themselves, except that the default
 detector knows feet that it saw in the last three seconds ([without](sweep.md#what-time-adds)).
 Frames that show nothing new (the robot stands) are not used."""
 

@@ -102,10 +102,20 @@ class ScoreTest(unittest.TestCase):
         self.assertGreater(figures["recall_percent"], 35.0)
         self.assertLess(figures["recall_percent"], 75.0)
 
-    def free_beyond(self, free_range):
+    def free_figures(self, free_range):
         truth = box_truth(self.folder.name)
         run = write_run(self.folder.name, lambda frame: [], free_range=free_range, truth=truth)
-        return scoring.score(truth, run)["free_beyond_percent"]
+        return scoring.score(truth, run)
+
+    def free_beyond(self, free_range):
+        return self.free_figures(free_range)["free_beyond_percent"]
+
+    def test_free_way_is_a_share_of_the_way_to_the_first_obstacle(self):
+        way = lambda free_range: self.free_figures(free_range)["free_way_percent"]
+        self.assertAlmostEqual(way(lambda first: min(first, 2.0)), 100.0, delta=0.5)
+        self.assertAlmostEqual(way(lambda first: 0.5 * min(first, 2.0)), 50.0, delta=1.5)
+        self.assertAlmostEqual(way(lambda first: 9.0), 100.0, delta=0.5)
+        self.assertEqual(way(lambda first: 0.0), 0.0)
 
     def test_free_ranges_up_to_the_obstacles_promise_nothing_behind_them(self):
         self.assertEqual(self.free_beyond(lambda first: min(first, 2.0)), 0.0)
@@ -125,6 +135,7 @@ class ScoreTest(unittest.TestCase):
         figures = scoring.score(truth, run)
         self.assertEqual(figures["free_bearings"], 0)
         self.assertIsNone(figures["free_beyond_percent"])
+        self.assertGreater(figures["free_way_percent"], 50.0)  # up to contacts the way is free
 
     def test_contacts_on_an_empty_floor_are_counted_per_bearing(self):
         truth = truth_file(self.folder.name, [

@@ -6,7 +6,7 @@ namespace ipm_mapping::sweep {
 
 /// What of the floor that looks like floor may be called free.
 struct FreeFloorParameters {
-  double free_cost = 1.3;
+  double free_cost = 2.0;
   double free_edge = 6.0;
   int free_halo = 6;
   double free_gap = 0.3;
