@@ -9,12 +9,20 @@
 namespace ipm_mapping {
 namespace {
 
-std::string explain(GateDrop reason, const std::string& odometry) {
+constexpr double silence = 10.0, repeat_silence = 60.0;  // seconds without any image
+
+const char* inWords(OdometryVerdict refusal) {
+  return refusal == OdometryVerdict::NotFinite
+             ? "it is not finite, or its orientation is no unit quaternion"
+             : "it jumps farther than odometry/max_speed and odometry/max_jump allow";
+}
+
+std::string explain(GateDrop reason, const std::string& odometry, const std::string& missing) {
   switch (reason) {
     case GateDrop::Overflow:
       return "too many images wait for odometry on " + odometry;
     case GateDrop::NoOdometry:
-      return "odometry on " + odometry + " does not reach the images' stamps";
+      return missing;
     case GateDrop::TooOld:
       return "image older than all odometry on " + odometry;
     case GateDrop::OdometryGap:
@@ -49,7 +57,12 @@ FrameSource::FrameSource(ros::NodeHandle& node, ros::NodeHandle& private_node,
   monitor_.expect(images_.topic());
   // Frames that wait for tf or camera_info move on when it comes, not with the next image.
   pumper_ = node.createWallTimer(
-      ros::WallDuration(0.2), [this](const ros::WallTimerEvent&) { pump(); }, false, false);
+      ros::WallDuration(0.2),
+      [this](const ros::WallTimerEvent&) {
+        pump();
+        remindOfImages();
+      },
+      false, false);
 }
 
 void FrameSource::setParameters(const CameraParameters& parameters) {
@@ -62,6 +75,8 @@ void FrameSource::start() {
   gate_ = Gate(odometry_parameters_, static_cast<std::size_t>(source_parameters_.waiting_frames));
   reported_drops_.fill(0);
   waiting_since_.reset();
+  odometry_received_ = odometry_refused_ = 0;
+  started_ = ros::WallTime::now();
   handlers_.reset();
   odometry_.start();
   images_.start();
@@ -74,6 +89,12 @@ void FrameSource::stop() {
   odometry_.stop();
 }
 
+/// A wrong topic is the commonest mistake, and a silent one.
+void FrameSource::remindOfImages() {
+  if (next_index_ > 0 || (ros::WallTime::now() - started_).toSec() < silence) return;
+  monitor_.warn("nothing comes in on " + images_.topic(), repeat_silence);
+}
+
 void FrameSource::restart(const char* why) {
   monitor_.count("resets");
   monitor_.warn(sentence(why, ", history starts anew"));
@@ -82,6 +103,7 @@ void FrameSource::restart(const char* why) {
 
 void FrameSource::onImage(const CameraMessage& message) {
   monitor_.received();
+  monitor_.lost(gaps_.missing(message.header().seq));
   optical_frame_ = withoutSlash(message.header().frame_id);
   newest_image_ = message.header().stamp.toSec() + camera_parameters_.image_time_offset;
   if (gate_.addFrame(newest_image_, {next_index_++, message}, now())) {
@@ -96,7 +118,13 @@ void FrameSource::onOdometry(double stamp, const SE2& T_odom_base) {
   const bool anew = gate_.addOdometry(stamp, T_odom_base, now(), &verdict);
   if (verdict != OdometryVerdict::Accepted)
     monitor_.count(std::string("odometry_") + name(verdict));
-  if (verdict == OdometryVerdict::NotFinite) monitor_.warn("odometry is not finite");
+  ++odometry_received_;
+  if (verdict == OdometryVerdict::NotFinite || verdict == OdometryVerdict::Outlier) {
+    ++odometry_refused_;
+    refusal_ = verdict;
+  }
+  if (verdict == OdometryVerdict::NotFinite)
+    monitor_.warn(sentence("odometry is dropped: ", inWords(verdict)));
   if (anew) {
     waiting_since_.reset();
     restart(verdict == OdometryVerdict::TimeJump ? "clock of the odometry was set back"
@@ -132,7 +160,7 @@ void FrameSource::pump() {
   Gate::Released frame;
   while (release && gate_.next(frame, now())) process(frame);
   reportGate();
-  if (const auto newest = gate_.odometry().newest())
+  if (const auto newest = gate_.odometry().newest(); newest && newest_image_ > 0.0)
     monitor_.set("odometry_behind_images_s", newest_image_ - *newest);
 }
 
@@ -156,12 +184,25 @@ void FrameSource::process(const Gate::Released& frame) {
   monitor_.answered(status, info.header.stamp, "the geometry of this frame cannot be used");
 }
 
+/// Why no odometry reaches the images' stamps.
+std::string FrameSource::missingOdometry() const {
+  const std::string topic = odometry_.topic();
+  if (odometry_received_ == 0)
+    return source_parameters_.odometry_source == PoseOrigin::Tf
+               ? sentence("tf has no poses of '", odometry_.frames().base, "' in '",
+                          odometry_.frames().odom, "'")
+               : "no odometry comes in on " + topic;
+  if (2 * odometry_refused_ > odometry_received_)
+    return sentence("odometry on ", topic, " is of no use: ", inWords(refusal_));
+  return "odometry on " + topic + " does not reach the images' stamps";
+}
+
 void FrameSource::reportGate() {
   for (int i = 0; i < gate_drop_count; ++i) {
     const auto reason = static_cast<GateDrop>(i);
     std::uint64_t& reported = reported_drops_[static_cast<std::size_t>(i)];
     for (; reported < gate_.dropped(reason); ++reported)
-      monitor_.dropped(name(reason), explain(reason, odometry_.topic()));
+      monitor_.dropped(name(reason), explain(reason, odometry_.topic(), missingOdometry()));
   }
 }
 

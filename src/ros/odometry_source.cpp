@@ -2,6 +2,7 @@
 
 #include <tf2/exceptions.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "ipm_mapping/ros/poses.hpp"
@@ -10,6 +11,7 @@ namespace ipm_mapping {
 namespace {
 
 constexpr int queue_length = 500;
+constexpr double clock_jump = 1.0;  // seconds
 
 std::string firstGiven(const std::string& a, const std::string& b, const char* c) {
   return !a.empty() ? a : !b.empty() ? b : c;
@@ -17,7 +19,7 @@ std::string firstGiven(const std::string& a, const std::string& b, const char* c
 
 }  // namespace
 
-OdometrySource::OdometrySource(ros::NodeHandle& node, const tf2::BufferCore& tf,
+OdometrySource::OdometrySource(ros::NodeHandle& node, tf2::BufferCore& tf,
                                const SourceParameters& parameters, Handler handler)
     : node_(node), tf_(tf), parameters_(parameters), handler_(std::move(handler)) {
   frames_ = {withoutSlash(parameters.base_frame), withoutSlash(parameters.odom_frame)};
@@ -42,7 +44,24 @@ void OdometrySource::onOdometry(const nav_msgs::OdometryConstPtr& odometry) {
   handler_(odometry->header.stamp.toSec(), toSE2(odometry->pose.pose));
 }
 
-void OdometrySource::onTf(const tf2_msgs::TFMessageConstPtr&) {
+/// Poses far older than the newest one: a bag began anew, or the robot's clock did.
+bool OdometrySource::setBack(const tf2_msgs::TFMessage& message) const {
+  const auto old = [&](const geometry_msgs::TransformStamped& transform) {
+    const bool pose = withoutSlash(transform.header.frame_id) == frames_.odom ||
+                      withoutSlash(transform.child_frame_id) == frames_.base;
+    return pose && !transform.header.stamp.isZero() &&
+           (last_tf_ - transform.header.stamp).toSec() > clock_jump;
+  };
+  return std::any_of(message.transforms.begin(), message.transforms.end(), old);
+}
+
+/// One message of before that arrives late would keep tf from taking all that is ten seconds older.
+void OdometrySource::onTf(const tf2_msgs::TFMessageConstPtr& message) {
+  if (setBack(*message)) {
+    tf_.clear();
+    last_tf_ = ros::Time();
+    for (const auto& transform : message->transforms) tf_.setTransform(transform, "tf");
+  }
   if (!tf_.canTransform(frames_.odom, frames_.base, ros::Time(0))) return;
   try {
     const auto pose = tf_.lookupTransform(frames_.odom, frames_.base, ros::Time(0));

@@ -2,12 +2,13 @@
 
 #include <ros/console.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace ipm_mapping {
 namespace {
 
-constexpr double repeat_seconds = 5.0, repeat_concern_seconds = 60.0;
+constexpr double repeat_error_seconds = 5.0, repeat_concern_seconds = 60.0;
 constexpr std::size_t remembered_sentences = 64;
 
 using diagnostic_msgs::DiagnosticStatus;
@@ -36,7 +37,7 @@ void StageMonitor::received() {
 void StageMonitor::used(const ros::Time& stamp) {
   ++counters_["used"];
   ++period_.used;
-  period_.latency = (ros::Time::now() - stamp).toSec();
+  period_.latency = std::max(0.0, (ros::Time::now() - stamp).toSec());
 }
 
 void StageMonitor::skipped(const std::string& reason) {
@@ -49,11 +50,17 @@ void StageMonitor::dropped(const std::string& reason, const std::string& sentenc
   ++counters_["dropped_" + reason];
   ++period_.dropped;
   period_.faults.add(sentence);
-  if (timeToSay(sentence)) ROS_ERROR_STREAM(name_ << ": " << sentence);
+  if (timeToSay(sentence, repeat_error_seconds)) ROS_ERROR_STREAM(name_ << ": " << sentence);
 }
 
-void StageMonitor::warn(const std::string& sentence) {
-  if (timeToSay(sentence)) ROS_WARN_STREAM(name_ << ": " << sentence);
+void StageMonitor::warn(const std::string& sentence, double repeat) {
+  if (timeToSay(sentence, repeat)) ROS_WARN_STREAM(name_ << ": " << sentence);
+}
+
+void StageMonitor::lost(std::uint64_t messages) {
+  if (messages == 0) return;
+  counters_["lost_before_arrival"] += messages;
+  period_.lost += messages;
 }
 
 void StageMonitor::answered(FrameStatus status, const ros::Time& stamp,
@@ -84,11 +91,11 @@ std::uint64_t StageMonitor::counter(const std::string& reason) const {
   return found == counters_.end() ? 0 : found->second;
 }
 
-bool StageMonitor::timeToSay(const std::string& sentence) {
+bool StageMonitor::timeToSay(const std::string& sentence, double repeat) {
   const ros::WallTime now = ros::WallTime::now();
   if (said_.size() > remembered_sentences) said_.clear();
   ros::WallTime& last = said_[sentence];
-  if ((now - last).toSec() < repeat_seconds) return false;
+  if (!last.isZero() && (now - last).toSec() < repeat) return false;
   last = now;
   return true;
 }
@@ -103,6 +110,10 @@ void StageMonitor::summarize(diagnostic_updater::DiagnosticStatusWrapper& status
                    period_.faults.commonest());
   else if (period_.received == 0)
     status.summary(DiagnosticStatus::WARN, "nothing comes in on " + expected_);
+  else if (period_.lost > 0)
+    status.summary(DiagnosticStatus::WARN,
+                   std::to_string(period_.lost) + " messages on " + expected_ +
+                       " never came: the network or this process is too slow for them");
   else if (!concern_.empty())
     status.summary(DiagnosticStatus::WARN, concern_);
   else if (period_.used == 0 && period_.skipped > 0)

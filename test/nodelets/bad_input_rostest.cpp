@@ -142,6 +142,18 @@ TEST_F(BadInput, OdometryThatIsNotFiniteIsCountedAndLeavesNoTrace) {
     EXPECT_TRUE(std::isfinite(message->view.pose.x) && std::isfinite(message->view.motion.x));
 }
 
+/// A driver that leaves the orientation as it is made: all zero.
+TEST_F(BadInput, OdometryWithoutAnOrientationIsDroppedAndNamed) {
+  const double before = diagnostics_.value("ipm", "odometry_not_finite");
+  for (int k = 0; k < 10; ++k) {
+    auto odometry = topics_.robot.odometry(topics_.stamp(0.02 * k), topics_.robot.pose(0));
+    odometry.pose.pose.orientation = geometry_msgs::Quaternion();
+    topics_.sendOdometry(odometry);
+  }
+  EXPECT_TRUE(countsTo("odometry_not_finite", before, 10));
+  expectTheChainToWork();
+}
+
 TEST_F(BadInput, FramesWithoutOdometryAreCountedWithTheTopicsName) {
   const double before = diagnostics_.value("ipm", "dropped_no_odometry");
   topics_.sendInfo(0.0);

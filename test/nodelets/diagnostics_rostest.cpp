@@ -2,7 +2,9 @@
 // sentence names what is missing, and all is well again when it is back.
 
 #include <gtest/gtest.h>
+#include <rosgraph_msgs/Log.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -31,7 +33,7 @@ struct Expected {
 
 class WhatDiagnosticsSay : public testing::Test {
  protected:
-  WhatDiagnosticsSay() : diagnostics_(node_), topics_(node_) {}
+  WhatDiagnosticsSay() : diagnostics_(node_), console_(node_, "/rosout"), topics_(node_) {}
 
   void SetUp() override {
     topics_.tellTf();
@@ -55,6 +57,12 @@ class WhatDiagnosticsSay : public testing::Test {
     if (said()) return;
     for (const Expected& each : expected)
       ADD_FAILURE() << diagnostics_.status(each.nodelet) << "; expected: " << each.words;
+  }
+  [[nodiscard]] bool saidOnTheConsole(const std::string& nodelet, const std::string& words) const {
+    return std::any_of(console_.all.begin(), console_.all.end(), [&](const auto& message) {
+      return message->msg.find(nodelet) != std::string::npos &&
+             message->msg.find(words) != std::string::npos;
+    });
   }
   void driveUntilAllIsWell() {
     std::vector<Expected> well;
@@ -102,9 +110,24 @@ class WhatDiagnosticsSay : public testing::Test {
   static int frame;  // the clock goes on from test to test
   ros::NodeHandle node_;
   Diagnostics diagnostics_;
+  Collected<rosgraph_msgs::Log> console_;
   RobotTopics topics_;
 };
 int WhatDiagnosticsSay::frame = 0;
+
+/// A wrong topic, as a rule.
+TEST_F(WhatDiagnosticsSay, NothingEverComes) {
+  EXPECT_TRUE(waitFor(
+      [&] {
+        return saidOnTheConsole("piece/detector", "nothing comes in on /robot/image_raw") &&
+               saidOnTheConsole("chain/ipm", "nothing comes in on /robot/image_raw");
+      },
+      30.0));
+  EXPECT_FALSE(saidOnTheConsole("mapper", "nothing comes in")) << "one sentence is enough";
+  Feed feed;
+  feed.info = feed.odometry = false;
+  driveUntil(feed, lost(DiagnosticStatus::ERROR, "no odometry comes in on /robot/odom"));
+}
 
 TEST_F(WhatDiagnosticsSay, NoCalibrationAtTheStart) {
   Feed feed;

@@ -113,6 +113,17 @@ TEST_F(Sources, PosesFromTopicAndTfAreThoseOfTheMovedStamps) {
       << "the overlay looks for pictures whose stamps were not moved";
 }
 
+/// As when a bag begins anew: tf takes nothing older than what it has seen.
+TEST_F(Sources, PosesFromTfGoOnWhenTheirTimeIsSetBack) {
+  play(0, topics_.robot.frames);
+  ASSERT_TRUE(waitFor([&] { return by_tf_.size() >= 10; }));
+  const std::size_t before = by_tf_.size();
+  topics_.time_shift -= 500.0;
+  play(0, topics_.robot.frames);
+  EXPECT_TRUE(waitFor([&] { return by_tf_.size() >= before + 10; })) << by_tf_.size() - before;
+  EXPECT_LT(by_tf_.last().header.stamp.toSec(), topics_.stamp(100.0));
+}
+
 TEST_F(Sources, TheOverlayFollowsAnOffsetThatIsChangedLive) {
   constexpr int change_at = 10;
   play(0, change_at);

@@ -14,6 +14,7 @@
 #include "ipm_mapping/ros/camera_source.hpp"
 #include "ipm_mapping/ros/image_subscriber.hpp"
 #include "ipm_mapping/ros/odometry_source.hpp"
+#include "ipm_mapping/ros/sequence_gaps.hpp"
 #include "ipm_mapping/ros/stage_monitor.hpp"
 #include "ipm_mapping/ros/waiting_clock.hpp"
 
@@ -64,7 +65,9 @@ class FrameSource {
   [[nodiscard]] bool patient() const;
   void process(const Gate::Released& frame);
   void restart(const char* why);
+  void remindOfImages();
   void reportGate();
+  [[nodiscard]] std::string missingOdometry() const;
 
   CameraParameters camera_parameters_;
   SourceParameters source_parameters_;
@@ -87,7 +90,11 @@ class FrameSource {
   std::optional<FirstWaiting> waiting_since_;
   ros::WallTimer pumper_;
   WaitingClock waiting_clock_;
+  ros::WallTime started_;
+  SequenceGaps gaps_;
   double newest_image_ = 0.0;
+  std::uint64_t odometry_received_ = 0, odometry_refused_ = 0;
+  OdometryVerdict refusal_ = OdometryVerdict::Accepted;
   int camera_revision_ = 0;
   std::uint64_t next_index_ = 0;
 };

@@ -19,8 +19,9 @@ class OdometrySource {
  public:
   using Handler = std::function<void(double stamp, const SE2& T_odom_base)>;
 
-  OdometrySource(ros::NodeHandle& node, const tf2::BufferCore& tf,
-                 const SourceParameters& parameters, Handler handler);
+  /// `tf` is cleared when the time of its poses was set back.
+  OdometrySource(ros::NodeHandle& node, tf2::BufferCore& tf, const SourceParameters& parameters,
+                 Handler handler);
 
   void start();
   void stop() { subscriber_.shutdown(); }
@@ -33,9 +34,10 @@ class OdometrySource {
   void name(const std::string& base, const std::string& odom);
   void onOdometry(const nav_msgs::OdometryConstPtr& odometry);
   void onTf(const tf2_msgs::TFMessageConstPtr& message);
+  [[nodiscard]] bool setBack(const tf2_msgs::TFMessage& message) const;
 
   ros::NodeHandle node_;
-  const tf2::BufferCore& tf_;
+  tf2::BufferCore& tf_;
   SourceParameters parameters_;
   Handler handler_;
   ros::Subscriber subscriber_;

@@ -4,13 +4,17 @@
 #include <geometry_msgs/Transform.h>
 
 #include <cmath>
+#include <limits>
 
 #include "ipm_mapping/geometry/se2.hpp"
 
 namespace ipm_mapping {
 
-/// Heading of a quaternion's x axis; its tilt is left out.
+/// Heading of a quaternion's x axis; its tilt is left out. Not a number where it is no unit
+/// quaternion: nobody filled it in.
 [[nodiscard]] inline double yawOf(const geometry_msgs::Quaternion& q) {
+  const double norm2 = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
+  if (!(std::abs(norm2 - 1.0) < 0.1)) return std::numeric_limits<double>::quiet_NaN();
   return std::atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z));
 }
 

@@ -39,8 +39,10 @@ class StageMonitor {
   void dropped(const std::string& reason, const std::string& sentence);
   /// Counts something that says nothing about the stage's health.
   void count(const std::string& reason) { ++counters_[reason]; }
-  /// One sentence on the console.
-  void warn(const std::string& sentence);
+  /// One sentence on the console, again after `repeat` seconds at the earliest.
+  void warn(const std::string& sentence, double repeat = 5.0);
+  /// Messages that were sent and never came: the network, or this process, is too slow for them.
+  void lost(std::uint64_t messages);
   /// The same for the answer of a detector.
   void answered(FrameStatus status, const ros::Time& stamp, const std::string& sentence);
 
@@ -55,7 +57,7 @@ class StageMonitor {
 
  private:
   struct Period {
-    std::uint64_t received = 0, used = 0, skipped = 0, dropped = 0;
+    std::uint64_t received = 0, used = 0, skipped = 0, dropped = 0, lost = 0;
     double latency = 0.0;
     std::string last_skip;
     FaultLog faults;
@@ -63,7 +65,7 @@ class StageMonitor {
   void report(diagnostic_updater::DiagnosticStatusWrapper& status);
   void summarize(diagnostic_updater::DiagnosticStatusWrapper& status) const;
   void listFaults(diagnostic_updater::DiagnosticStatusWrapper& status) const;
-  [[nodiscard]] bool timeToSay(const std::string& sentence);
+  [[nodiscard]] bool timeToSay(const std::string& sentence, double repeat);
 
   std::string name_, expected_, concern_, cannot_start_;
   std::map<std::string, std::uint64_t> counters_;
