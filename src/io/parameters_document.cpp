@@ -20,7 +20,8 @@ constexpr const char* introduction =
     "Nodelets read `~GROUP/NAME` below their private namespace, on top of the profile that "
     "`~profile` names: `default`, `paper`, `first_architecture`, or the path of a file like those "
     "in `config/`. `offline_mapper` takes the same with `--profile`, and single values with "
-    "`--set GROUP/NAME=VALUE`. A value outside its range is refused by name.\n";
+    "`--set GROUP/NAME=VALUE`. A value outside its range is refused by name; one "
+    "that is set live is moved into it, as dynamic_reconfigure does, with a warning.\n";
 
 /// A bar would end the table's cell.
 std::string cell(const std::string& text) {

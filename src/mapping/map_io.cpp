@@ -43,8 +43,15 @@ std::string number(double value) {
   return text;
 }
 
+/// A name as YAML takes it for a text whatever is in it; plain where it may be.
+std::string text(const std::string& name) {
+  YAML::Emitter out;
+  out << name;
+  return out.c_str();
+}
+
 std::string yamlOf(const TrinaryMap& map, const std::string& image) {
-  return "image: " + image + "\nresolution: " + number(map.resolution) + "\norigin: [" +
+  return "image: " + text(image) + "\nresolution: " + number(map.resolution) + "\norigin: [" +
          number(map.origin_x) + ", " + number(map.origin_y) + ", 0]\nnegate: 0\n" + thresholds;
 }
 

@@ -23,6 +23,7 @@ class Mapper : public StageNodelet {
     parameters_ = loadStruct<MapperParameters>(privateNode());
     map_.emplace(loadParameters(privateNode()).map);
     keeper_.emplace(*map_, parameters_);
+    if (const auto notice = keeper_->makeFolder()) monitor().warn(*notice);
     if (const auto notice = keeper_->loadInitialMap()) monitor().warn(*notice);
     map_frame_.emplace(node(), parameters_);
     localized_.emplace(*map_, map_frame_->moves() ? parameters_.correction : MapCorrection::Keep,

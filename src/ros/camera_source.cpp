@@ -2,6 +2,8 @@
 
 #include <tf2_eigen/tf2_eigen.h>
 
+#include <tuple>
+
 #include "ipm_mapping/geometry/ground_view.hpp"
 #include "ipm_mapping/ros/camera_info.hpp"
 #include "ipm_mapping/ros/sentence.hpp"
@@ -11,6 +13,11 @@ namespace {
 
 /// A pose from tf that differs by less (metres, sine) is the same pose computed again.
 constexpr double pose_tolerance = 1e-4;
+
+bool sameStatedPose(const CameraParameters& a, const CameraParameters& b) {
+  return std::tie(a.x, a.y, a.z, a.pitch, a.yaw, a.roll) ==
+         std::tie(b.x, b.y, b.z, b.pitch, b.yaw, b.roll);
+}
 
 }  // namespace
 
@@ -22,7 +29,12 @@ CameraSource::CameraSource(ros::NodeHandle& node, const tf2::BufferCore& tf,
 
 void CameraSource::setParameters(const CameraParameters& parameters) {
   if (!parameters.pose_from_tf || pose_origin_ == Origin::SecondChoice) pose_origin_ = Origin::None;
-  file_refused_ = false;
+  if (pose_origin_ == Origin::FirstChoice && parameters.pose_from_tf &&
+      !sameStatedPose(parameters, parameters_))
+    monitor_.warn(
+        "camera/x ... roll have no effect while tf knows the camera, unless camera/pose_from_tf is "
+        "false");
+  file_refused_ = file_left_out_ = false;
   parameters_ = parameters;
 }
 
@@ -41,6 +53,11 @@ void CameraSource::takeInfo(const sensor_msgs::CameraInfo& info, const std::stri
   }
   info_refusal_.clear();
   model_origin_ = origin;
+  if (origin == Origin::FirstChoice && !parameters_.calibration_file.empty() && !file_left_out_) {
+    file_left_out_ = true;
+    monitor_.warn(sentence("camera/calibration_file is not used: there is camera_info on ",
+                           subscriber_.getTopic()));
+  }
   if (model == model_) return;
   model_ = model;
   ++revision_;

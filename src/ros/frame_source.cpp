@@ -10,6 +10,7 @@ namespace ipm_mapping {
 namespace {
 
 constexpr double silence = 10.0, repeat_silence = 60.0;  // seconds without any image
+constexpr double start_seconds = 5.0;
 
 const char* inWords(OdometryVerdict refusal) {
   return refusal == OdometryVerdict::NotFinite
@@ -77,6 +78,7 @@ void FrameSource::start() {
   waiting_since_.reset();
   odometry_received_ = odometry_refused_ = 0;
   started_ = ros::WallTime::now();
+  any_pose_ = false;
   handlers_.reset();
   odometry_.start();
   images_.start();
@@ -87,6 +89,12 @@ void FrameSource::stop() {
   pumper_.stop();
   images_.stop();
   odometry_.stop();
+}
+
+/// Subscribed to images a moment before odometry: the first ones have no pose, and that is no
+/// fault.
+bool FrameSource::starting() const {
+  return !any_pose_ && (ros::WallTime::now() - started_).toSec() < start_seconds;
 }
 
 /// A wrong topic is the commonest mistake, and a silent one.
@@ -165,6 +173,7 @@ void FrameSource::pump() {
 }
 
 void FrameSource::process(const Gate::Released& frame) {
+  any_pose_ = true;
   const CameraMessage& message = frame.payload.message;
   GrayPicture picture;
   if (const Refusal refusal = message.toGray(picture))
@@ -201,8 +210,13 @@ void FrameSource::reportGate() {
   for (int i = 0; i < gate_drop_count; ++i) {
     const auto reason = static_cast<GateDrop>(i);
     std::uint64_t& reported = reported_drops_[static_cast<std::size_t>(i)];
-    for (; reported < gate_.dropped(reason); ++reported)
+    for (; reported < gate_.dropped(reason); ++reported) {
+      if (reason == GateDrop::TooOld && starting()) {
+        monitor_.skipped("before_odometry");
+        continue;
+      }
       monitor_.dropped(name(reason), explain(reason, odometry_.topic(), missingOdometry()));
+    }
   }
 }
 

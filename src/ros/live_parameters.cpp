@@ -113,13 +113,19 @@ Wishes wishesOf(const Config& config) {
   return wishes;
 }
 
+/// As a value within the range; says so where that is another one.
 template <class T>
-void grant(const std::string& name, const std::string& wish, Range range, T& value) {
+void grant(const std::string& name, const std::string& wish, Range range, T& value,
+           std::vector<std::string>& complaints) {
   T wanted = value;
   setFromText(name, wish, wanted);
   if constexpr (is_number<T>) {
     if (!std::isfinite(static_cast<double>(wanted))) throw ParameterError(name + " is not finite");
-    wanted = std::clamp(wanted, bound<T>(range.lowest), bound<T>(range.highest));
+    const T within = std::clamp(wanted, bound<T>(range.lowest), bound<T>(range.highest));
+    if (within != wanted)
+      complaints.push_back(sentence(name, ": ", wanted, " is outside its range, ", within,
+                                    " is the nearest that is allowed"));
+    wanted = within;
   }
   value = wanted;
 }
@@ -137,7 +143,7 @@ dynamic_reconfigure::GroupState state(const std::string& name, int id) {
 
 std::vector<std::string> applyConfig(const Config& config, const std::vector<std::string>& groups,
                                      Parameters& parameters) {
-  std::vector<std::string> refused;
+  std::vector<std::string> complaints;
   Wishes wishes = wishesOf(config);
   Parameters candidate = parameters;
   forFields(candidate, groups,
@@ -146,20 +152,20 @@ std::vector<std::string> applyConfig(const Config& config, const std::vector<std
               const auto wish = wishes.find(name);
               if (wish == wishes.end()) return;
               try {
-                grant(name, wish->second, range, value);
+                grant(name, wish->second, range, value, complaints);
               } catch (const ParameterError& error) {
-                refused.emplace_back(error.what());
+                complaints.emplace_back(error.what());
               }
               wishes.erase(wish);
             });
-  for (const auto& wish : wishes) refused.push_back(wish.first + " cannot be changed here");
+  for (const auto& wish : wishes) complaints.push_back(wish.first + " cannot be changed here");
   try {
     candidate.validate();
     parameters = candidate;
   } catch (const ParameterError& error) {
-    refused.emplace_back(error.what());
+    complaints.emplace_back(error.what());
   }
-  return refused;
+  return complaints;
 }
 
 Config toConfig(const Parameters& parameters, const std::vector<std::string>& groups) {

@@ -39,6 +39,12 @@ MapKeeper::Saved MapKeeper::save(const std::string& name) const {
   return write(name);
 }
 
+std::optional<std::string> MapKeeper::makeFolder() const {
+  if (const auto error = confine(parameters_.directory, "map").error)
+    return "maps cannot be saved in '" + parameters_.directory + "': " + *error;
+  return std::nullopt;
+}
+
 MapKeeper::Saved MapKeeper::write(const std::string& name) const {
   const ConfinedPath stem = confine(parameters_.directory, withoutSuffix(name));
   if (stem.error) return {"", stem.error};

@@ -79,6 +79,16 @@ TEST_F(MapIo, WhatIsSavedIsLoadedAgain) {
   EXPECT_DOUBLE_EQ(loaded.origin_y, 9.6);
 }
 
+TEST_F(MapIo, AnyNameIsReadAsItWasWritten) {
+  const TrinaryMap saved = randomMap(3, 2);
+  for (const char* name : {"a: b #c", "[1]", "'quoted'", "yes", "- 7", "K\303\274che"}) {
+    ASSERT_EQ(saveMap(saved, path(name)), std::nullopt) << name;
+    TrinaryMap loaded;
+    EXPECT_EQ(loadMap(path(name) + ".yaml", loaded), std::nullopt) << name;
+    EXPECT_EQ(loaded.cells, saved.cells) << name;
+  }
+}
+
 TEST_F(MapIo, WritesTheBytesThatMapServerWrites) {
   TrinaryMap map;
   map.origin_x = -3.2000000000000002;

@@ -93,12 +93,17 @@ TEST(LiveParameters, RequestChangesWhatItNamesAndNothingElse) {
   EXPECT_EQ(changed, 1);
 }
 
-TEST(LiveParameters, NumbersAreClampedToTheirRange) {
+TEST(LiveParameters, NumbersAreClampedToTheirRangeWhichIsSaid) {
   Parameters parameters;
   Config request;
   set(request.ints, "segmentation/min_threshold", 1000);
   set(request.doubles, "segmentation/min_separability", -5.0);
-  EXPECT_TRUE(applyConfig(request, groups, parameters).empty());
+  const auto said = applyConfig(request, groups, parameters);
+  ASSERT_EQ(said.size(), 2U);
+  EXPECT_EQ(said[0],
+            "segmentation/min_threshold: 1000 is outside its range, 255 is the nearest that is "
+            "allowed");
+  EXPECT_NE(said[1].find("segmentation/min_separability: -5"), std::string::npos) << said[1];
   EXPECT_EQ(parameters.segmentation.min_threshold, 255);
   EXPECT_EQ(parameters.segmentation.min_separability, 0.0);
 }

@@ -33,6 +33,18 @@ TEST_F(Keeper, AnAutosaveInWhichNothingIsKnownBindsTheMapToNoPlace) {
   EXPECT_TRUE(reopened.include({1000.0, 0.0}));
 }
 
+/// Said at the start, not when the map is lost.
+TEST_F(Keeper, SaysWhyNothingCanBeSavedInItsFolder) {
+  OccupancyMap map;
+  parameters.directory += "/of/maps";
+  EXPECT_EQ(MapKeeper(map, parameters).makeFolder(), std::nullopt);
+  EXPECT_TRUE(std::filesystem::is_directory(parameters.directory));
+  parameters.directory = "/proc/maps/of/nobody";
+  const auto notice = MapKeeper(map, parameters).makeFolder();
+  ASSERT_TRUE(notice);
+  EXPECT_NE(notice->find("/proc/maps/of/nobody"), std::string::npos) << *notice;
+}
+
 TEST_F(Keeper, AMapInWhichSomethingIsKnownComesBack) {
   OccupancyMap map, reopened;
   ASSERT_TRUE(map.include({0.5, 0.0}));

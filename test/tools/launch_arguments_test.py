@@ -10,6 +10,7 @@ import os
 import re
 import subprocess
 import sys
+import tempfile
 import unittest
 import xml.etree.ElementTree as ElementTree
 
@@ -109,6 +110,33 @@ class LaunchArguments(unittest.TestCase):
         found = parameters("compare", "image_time_offset:=-0.25")
         for nodelet in ("ipm", "fpga_model"):
             self.assertEqual(found["/camera/%s/camera/image_time_offset" % nodelet], -0.25, nodelet)
+
+    def test_further_settings_arrive_at_the_nodelets_that_they_name(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".yaml") as file:
+            file.write("mapper: {publish_rate: 2.5}\ndetector: {queue: 40}\n")
+            file.flush()
+            for name, more in (("chain", []), ("move_base", []), ("replay", ["bag:=drive.bag"])):
+                found = parameters(name, "namespace:=left", "settings:=" + file.name, *more)
+                self.assertEqual(found["/left/mapper/publish_rate"], 2.5, name)
+                self.assertEqual(found["/left/detector/queue"], 40, name)
+                self.assertEqual(found["/left/mapper/correction"], "follow", name)
+
+    def test_every_namespace_has_a_folder_of_its_own_for_its_maps(self):
+        folder = lambda *values: parameters("chain", *values)["/%s/mapper/directory" % (
+            values[0].partition(":=")[2] if values else "camera")]
+        self.assertEqual(folder(), "~/.ros/ipm_mapping")
+        self.assertEqual(folder("namespace:=rear"), "~/.ros/ipm_mapping/rear")
+        self.assertEqual(folder("namespace:=rear", "map_directory:=/maps"), "/maps")
+
+    def test_bags_are_named_as_the_shell_sees_them(self):
+        for name in ("replay", "compare"):
+            for given, played in (("drive.bag", os.path.join(os.environ["PWD"], "drive.bag")),
+                                  ("/data/drive.bag", "/data/drive.bag")):
+                text = subprocess.run(
+                    ["roslaunch", "--args", "player", os.path.join(FOLDER, name + ".launch"),
+                     "bag:=" + given],
+                    check=True, timeout=60, stdout=subprocess.PIPE, universal_newlines=True).stdout
+                self.assertIn(" %s " % played, text + " ", name)
 
     CAMERA = {"pose_from_tf": False, "x": 0.11, "y": -0.02, "z": 0.33, "pitch": 0.31}
 

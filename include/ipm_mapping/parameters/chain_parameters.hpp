@@ -111,17 +111,19 @@ struct LocalizationParameters {
           "a triangle cut off by the border or by invalid pixels makes a contact, as in the "
           "source; off: the bearing is blocked up to there");
     field("free_space_rule", self.free_space_rule,
-          "deep_valley: two obstacles where the valley between two peaks is deep (the source, "
+          "with selection peaks. deep_valley: two obstacles where the valley between two peaks is "
+          "deep (the source, "
           "§3.7); printed: the comparison printed in §6.9");
     field("valley_threshold", self.valley_threshold, Unit{""}, Range{0.0, 31.0},
-          "weight of the valley's area against the area under the histogram");
+          "with selection peaks: weight of the valley's area against the area under the histogram");
     field("single_bin_peaks", self.single_bin_peaks,
-          "only runs of one line are peaks, as the hardware's comparison has it");
+          "with selection peaks: only runs of one line are peaks, as the hardware's comparison has "
+          "it");
     field("selection", self.selection,
           "every_bearing: the nearest contact of every occupied bearing; peaks: one contact an "
           "obstacle (algorithm 3, mended)");
     field("bearing_tolerance", self.bearing_tolerance, Unit{"lines"}, Range{0, 79},
-          "how far a contact may lie from the peak that it serves");
+          "with selection peaks: how far a contact may lie from the peak that it serves");
     field("max_range", self.max_range, Unit{"m"}, Range{0.0, 100.0},
           "contacts farther from the robot are dropped; 0: 2 m, or three times the distance at "
           "which the floor comes into view where that is more");

@@ -49,7 +49,7 @@ class CameraSource {
   StageMonitor& monitor_;
   ros::Subscriber subscriber_;
   Origin model_origin_ = Origin::None, pose_origin_ = Origin::None;
-  bool file_refused_ = false, had_pose_ = false;
+  bool file_refused_ = false, file_left_out_ = false, had_pose_ = false;
   std::string info_refusal_;
   CameraModel model_;
   CameraPose T_base_camera_ = CameraPose::Identity();

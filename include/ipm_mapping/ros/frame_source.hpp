@@ -65,6 +65,7 @@ class FrameSource {
   [[nodiscard]] bool patient() const;
   void process(const Gate::Released& frame);
   void restart(const char* why);
+  [[nodiscard]] bool starting() const;
   void remindOfImages();
   void reportGate();
   [[nodiscard]] std::string missingOdometry() const;
@@ -92,6 +93,7 @@ class FrameSource {
   WaitingClock waiting_clock_;
   ros::WallTime started_;
   SequenceGaps gaps_;
+  bool any_pose_ = false;  // for a frame since then
   double newest_image_ = 0.0;
   std::uint64_t odometry_received_ = 0, odometry_refused_ = 0;
   OdometryVerdict refusal_ = OdometryVerdict::Accepted;

@@ -14,7 +14,7 @@ namespace ipm_mapping {
 
 /// Changes `parameters` as a dynamic_reconfigure request says; names are `group/field`. Numbers are
 /// clamped to their range, as dynamic_reconfigure does. Nothing changes when the whole would
-/// contradict itself. Returns one sentence for every entry that was not taken.
+/// contradict itself. Returns one sentence for every entry that was not taken as it is.
 std::vector<std::string> applyConfig(const dynamic_reconfigure::Config& config,
                                      const std::vector<std::string>& groups,
                                      Parameters& parameters);

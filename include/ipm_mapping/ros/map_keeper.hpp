@@ -22,6 +22,8 @@ class MapKeeper {
     std::optional<std::string> error;  ///< why nothing was saved
   };
   [[nodiscard]] Saved save(const std::string& name) const;
+  /// Makes the folder; why nothing can be saved there.
+  [[nodiscard]] std::optional<std::string> makeFolder() const;
 
   /// Loads `initial_map`. A notice when the file is not there yet; throws std::runtime_error when
   /// it is there and cannot be used.
