@@ -4,8 +4,12 @@
 
 #include <dynamic_reconfigure/Reconfigure.h>
 #include <gtest/gtest.h>
+#include <rosgraph_msgs/Log.h>
+
+#include <algorithm>
 
 #include "chain_client.hpp"
+#include "ipm_mapping/parameters/robot_parameters.hpp"
 
 namespace ipm_mapping {
 namespace {
@@ -19,6 +23,7 @@ class Sources : public testing::Test {
         by_topic_(node_, "/by_topic/obstacles"),
         by_tf_(node_, "/by_tf/obstacles"),
         overlays_(node_, "/by_topic/overlay"),
+        console_(node_, "/rosout"),
         tf_(node_.advertise<tf2_msgs::TFMessage>("/tf", 1000)),
         topics_(node_) {}
 
@@ -49,6 +54,11 @@ class Sources : public testing::Test {
   /// The picture of the instant t, its stamp the offset too early.
   [[nodiscard]] sensor_msgs::ImagePtr imageOf(double t) const {
     return topics_.robot.image(topics_.stamp(t) - offset_, topics_.robot.pose(t));
+  }
+  [[nodiscard]] bool said(const std::string& words) const {
+    return std::any_of(console_.all.begin(), console_.all.end(), [&](const auto& message) {
+      return message->msg.find(words) != std::string::npos;
+    });
   }
   void sendTransform(double t) {
     const SE2 pose = topics_.robot.pose(t);
@@ -98,6 +108,7 @@ class Sources : public testing::Test {
   Diagnostics diagnostics_;
   Collected<ObstacleArray> by_topic_, by_tf_;
   Collected<sensor_msgs::Image> overlays_;
+  Collected<rosgraph_msgs::Log> console_;
   ros::Publisher tf_;
   RobotTopics topics_;
   double offset_ = launched_offset;  // between the stamps of images and the truth
@@ -122,6 +133,27 @@ TEST_F(Sources, PosesFromTfGoOnWhenTheirTimeIsSetBack) {
   play(0, topics_.robot.frames);
   EXPECT_TRUE(waitFor([&] { return by_tf_.size() >= before + 10; })) << by_tf_.size() - before;
   EXPECT_LT(by_tf_.last().header.stamp.toSec(), topics_.stamp(100.0));
+}
+
+/// What is set live and has no effect, because the robot says it itself.
+TEST_F(Sources, WhatTfAndCameraInfoOverrideIsSaid) {
+  play(0, 15);
+  ASSERT_TRUE(waitFor([&] { return by_topic_.size() > 0; }));
+  const auto set = [](double height, const std::string& file) {
+    dynamic_reconfigure::Reconfigure change;
+    change.request.config.doubles.resize(1);
+    change.request.config.doubles[0].name = "camera/z";
+    change.request.config.doubles[0].value = height;
+    change.request.config.strs.resize(1);
+    change.request.config.strs[0].name = "camera/calibration_file";
+    change.request.config.strs[0].value = file;
+    return ros::service::call("/by_topic/ipm/set_parameters", change);
+  };
+  ASSERT_TRUE(set(0.6, "/another.yaml"));
+  play(15, 20);
+  EXPECT_TRUE(waitFor([&] { return said("camera/x ... roll have no effect while tf knows"); }));
+  EXPECT_TRUE(waitFor([&] { return said("camera/calibration_file is not used"); }));
+  ASSERT_TRUE(set(CameraParameters{}.z, ""));
 }
 
 TEST_F(Sources, TheOverlayFollowsAnOffsetThatIsChangedLive) {

@@ -8,6 +8,7 @@ import unittest
 
 import rospy
 import tf2_ros
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import OccupancyGrid, Odometry
 from sensor_msgs.msg import CameraInfo, Image
@@ -26,7 +27,8 @@ class SimulatedRobotTest(unittest.TestCase):
     topics = {"image": ("camera/rgb/image_raw", Image),
               "camera_info": ("camera/rgb/camera_info", CameraInfo),
               "odom": ("odom", Odometry), "truth": ("ground_truth/odom", Odometry),
-              "map": ("ground_truth/map", OccupancyGrid)}
+              "map": ("ground_truth/map", OccupancyGrid),
+              "diagnostics": ("/diagnostics", DiagnosticArray)}
 
     @classmethod
     def setUpClass(cls):
@@ -126,6 +128,16 @@ class SimulatedRobotTest(unittest.TestCase):
         first, last = self.seen["image"][0].data, self.seen["image"][-1].data
         different = sum(abs(a - b) > 15 for a, b in zip(first, last))
         self.assertGreater(different, 0.2 * len(first))
+
+    def test_9_the_detector_beside_it_works_and_lost_no_frame(self):
+        def counters():
+            values = [(each.key, each.value) for array in self.seen["diagnostics"]
+                      for status in array.status if "detector" in status.name
+                      for each in status.values]
+            return dict(values)  # the latest of each
+        self.wait(lambda: int(counters().get("received", 0)) > 10, "frames to be taken")
+        dropped = {key: value for key, value in counters().items() if key.startswith("dropped_")}
+        self.assertEqual(dropped, {})
 
 
 if __name__ == "__main__":
