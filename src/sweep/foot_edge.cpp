@@ -39,7 +39,7 @@ bool FootEdge::floorInFront(const ComparedFrame& frame, int beam, int row) const
         ++number;
       }
     }
-    if (sum > free_floor_.free_cost * kernels::cost_unit * number) return false;
+    if (sum > parameters_.foot_floor_cost * kernels::cost_unit * number) return false;
   }
   return true;
 }

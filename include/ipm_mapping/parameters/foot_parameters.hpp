@@ -14,6 +14,7 @@ struct FootParameters {
   int foot_window = 2;
   double foot_contrast = 6.0;
   double foot_share = 0.5;
+  double foot_floor_cost = 1.3;
   double foot_support = 0.2;
   double foot_doubt = 10.0;
   double foot_score = 0.5;
@@ -37,6 +38,8 @@ struct FootParameters {
     field("foot_share", self.foot_share, Unit{""}, Range{0.01, 1.0},
           "the edge goes on where its contrast is between this share of the run's and the inverse "
           "of it");
+    field("foot_floor_cost", self.foot_floor_cost, Unit{"sigma^2"}, Range{0.0, 9.0},
+          "no edge is a foot where the floor in front of it costs more over free_window rows");
     field("foot_support", self.foot_support, Unit{"camera heights"}, Range{0.01, 0.9},
           "how far above the edge floor and upright surface are compared");
     field("foot_doubt", self.foot_doubt, Unit{""}, Range{0.0, 1000.0},
