@@ -34,6 +34,8 @@ enum class FrameStatus : std::uint8_t {
 };
 inline constexpr int frame_status_count = 8;
 [[nodiscard]] const char* name(FrameStatus status);
+/// False for a valid answer, and where there is none because the robot's way shows nothing new.
+[[nodiscard]] bool isFault(FrameStatus status);
 
 /// Time spent in one named stage of the last frame.
 struct StageTime {

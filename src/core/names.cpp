@@ -39,6 +39,18 @@ const char* name(FrameStatus status) {
   return "unknown";
 }
 
+bool isFault(FrameStatus status) {
+  switch (status) {
+    case FrameStatus::Used:
+    case FrameStatus::NoReference:
+    case FrameStatus::NoMotion:
+    case FrameStatus::TooMuchRotation:
+      return false;
+    default:
+      return true;
+  }
+}
+
 const char* name(GateDrop reason) {
   switch (reason) {
     case GateDrop::Overflow:

@@ -3,33 +3,11 @@
 #include <utility>
 
 #include "ipm_mapping/ros/camera_info.hpp"
+#include "ipm_mapping/ros/frame_faults.hpp"
 #include "ipm_mapping/ros/parameter_loader.hpp"
 #include "ipm_mapping/ros/sentence.hpp"
 
 namespace ipm_mapping {
-namespace {
-
-std::string explain(GateDrop reason, const std::string& odometry) {
-  switch (reason) {
-    case GateDrop::Overflow:
-      return "too many images wait for odometry on " + odometry;
-    case GateDrop::NoOdometry:
-      return "odometry on " + odometry + " does not reach the images' stamps";
-    case GateDrop::TooOld:
-      return "image older than all odometry on " + odometry;
-    case GateDrop::OdometryGap:
-      return "gap in the odometry on " + odometry;
-    case GateDrop::OutOfOrder:
-      return "image is not newer than the one before it";
-    case GateDrop::BadStamp:
-      return "image without a usable stamp";
-    case GateDrop::ClockJump:
-      return "image still waited for odometry when the clock was set back";
-  }
-  return "image dropped";
-}
-
-}  // namespace
 
 FrameSource::FrameSource(ros::NodeHandle& node, ros::NodeHandle& private_node,
                          const Parameters& parameters, StageMonitor& monitor, Handlers handlers)
@@ -153,7 +131,7 @@ void FrameSource::process(const Gate::Released& frame) {
   if (camera_parameters_.image_time_offset != 0.0) info.header.stamp = rosTime(frame.stamp);
   const FrameStatus status =
       handlers_.frame({frame.payload.index, frame.stamp, picture.view, frame.T_odom_base}, info);
-  monitor_.answered(status, info.header.stamp, "the geometry of this frame cannot be used");
+  monitor_.answered(status, info.header.stamp, explain(status));
 }
 
 void FrameSource::reportGate() {

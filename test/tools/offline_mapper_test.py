@@ -50,16 +50,17 @@ def floor_picture(x):
 
 
 def write_bag(path, images=True, odometry=True, info=False, encoding="mono8", frames=12, fx=FOCAL,
-              still=False, wheels=1.0, picture=floor_picture):
+              still=False, wheels=1.0, picture=floor_picture, clock=0.0):
     """A robot that drives at 0.25 m/s; 10 pictures a second, odometry at 50 Hz, whose wheels see
-    `wheels` times the way."""
+    `wheels` times the way and whose clock is `clock` seconds ahead."""
     with rosbag.Bag(path, "w") as bag:
         for k in range(5 * frames - 2):
             t = rospy.Time.from_sec(1000.0 + 0.02 * k)
             x = 0.0 if still else 0.25 * 0.02 * k
             if odometry:
                 message = Odometry()
-                message.header.stamp, message.header.frame_id = t, "odom"
+                message.header.stamp = t + rospy.Duration.from_sec(clock)
+                message.header.frame_id = "odom"
                 message.child_frame_id = "base_footprint"
                 message.pose.pose.position.x = wheels * x
                 message.pose.pose.orientation.w = 1.0
@@ -146,6 +147,56 @@ class OfflineMapper(unittest.TestCase):
         self.assertEqual(len(warnings), 1)
         self.assertIn("lower than stated: change the pitch from 0.4238 to 0.4", warnings[0])
         self.assertEqual(told(PITCH - math.radians(1.5), "--set", "calibration/mode=apply"), [])
+
+    def results(self, *arguments):
+        """Warnings, and the files and folders that the tool says it wrote."""
+        result = self.run_it(self.bag, "--out", self.out, self.pose, *arguments)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        lines = result.stdout.splitlines()
+        head = "results in %s: " % self.out
+        named = [line[len(head):] for line in lines if line.startswith(head)]
+        self.assertEqual(len(named), 1, result.stdout)
+        return ([line[9:] for line in lines if line.startswith("warning: ")],
+                sorted(name.rstrip("/") for name in named[0].split(", ")))
+
+    def test_says_why_frames_were_dropped(self):
+        for faults, words in (
+                ({"wheels": math.nan}, ["none of 12 frames used", "does not reach", "(12)",
+                                        "refused messages on /odom: not finite (58)"]),
+                ({"clock": 1000.0}, ["none of 12 frames used", "older than all odometry on /odom (12)"]),
+                ({"wheels": 1000.0}, ["none of 12 frames used", "further off than the robot can"]),
+                ({"still": True}, ["none of 12 frames used", "the robot stands (11)"]),
+                ({"clock": 0.15}, ["2 of 12 frames dropped: image older than all odometry"])):
+            write_bag(self.bag, info=True, **faults)
+            warnings, _ = self.results()
+            self.assertEqual(len(warnings), 1, faults)
+            for each in words:
+                self.assertIn(each, warnings[0])
+        write_bag(self.bag, info=True)
+        self.assertEqual(self.results()[0], [])
+
+    def test_names_the_files_that_it_wrote_and_no_others(self):
+        write_bag(self.bag, info=True)
+        _, named = self.results("--fpga", "--overlays", "3")
+        self.assertEqual(named, sorted(os.listdir(self.out)))
+        os.remove(os.path.join(self.out, "fifo.bin"))
+        write_bag(self.bag, info=True, still=True)
+        _, named = self.results("--overlays", "3")
+        self.assertFalse({"overlay.png", "overlays", "fifo.bin"} & set(named), named)
+        left = set(os.listdir(self.out)) - {"overlays"}
+        self.assertEqual(named, sorted(left), "a picture of the run before would mislead")
+
+    def test_overlays_of_an_earlier_run_go_and_other_files_stay(self):
+        write_bag(self.bag, info=True)
+        folder = os.path.join(self.out, "overlays")
+        os.makedirs(folder)
+        for name in ("000999.png", "1000999.png", "my.png", "00999.png", "000999.png.txt"):
+            open(os.path.join(folder, name), "w", encoding="ascii").close()
+        self.results()
+        self.assertEqual(len(os.listdir(folder)), 5, "not asked for overlays")
+        self.results("--overlays", "1000")
+        kept = sorted(os.listdir(folder))
+        self.assertEqual(kept[1:], ["000999.png.txt", "00999.png", "my.png"])
 
     def test_overlays_of_every_third_used_frame(self):
         write_bag(self.bag, info=True)
