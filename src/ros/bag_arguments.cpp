@@ -3,8 +3,22 @@
 #include <iostream>
 
 #include "ipm_mapping/io/parameters_yaml.hpp"
+#include "ipm_mapping/parameters/visitors.hpp"
 
 namespace ipm_mapping {
+namespace {
+
+/// What `--set camera/NAME=VALUE` would refuse is refused here as well.
+void requireSensible(const std::array<double, 4>& pose) {
+  CameraParameters stated;
+  stated.x = pose[0];
+  stated.y = pose[1];
+  stated.z = pose[2];
+  stated.pitch = pose[3];
+  validateFields("--camera-pose: camera", stated);
+}
+
+}  // namespace
 
 void BagArguments::declare(CLI::App& app) {
   app.add_option("--profile", profile, "default, paper, first_architecture, or a YAML file");
@@ -29,8 +43,9 @@ void BagArguments::settle() {
     options.parameters.set(setting.substr(0, equals), setting.substr(equals + 1));
   }
   options.parameters.validate();
-  if (!camera_pose.empty())
-    options.camera_pose = {camera_pose[0], camera_pose[1], camera_pose[2], camera_pose[3]};
+  if (camera_pose.empty()) return;
+  options.camera_pose = {camera_pose[0], camera_pose[1], camera_pose[2], camera_pose[3]};
+  requireSensible(*options.camera_pose);
 }
 
 int runTool(CLI::App& app, const char* name, int argc, char** argv,
