@@ -18,6 +18,11 @@ void requireSensible(const std::array<double, 4>& pose) {
   validateFields("--camera-pose: camera", stated);
 }
 
+bool partOfPose(const std::string& name) {
+  return name == "camera/x" || name == "camera/y" || name == "camera/z" || name == "camera/pitch" ||
+         name == "camera/yaw" || name == "camera/roll";
+}
+
 }  // namespace
 
 void BagArguments::declare(CLI::App& app) {
@@ -40,12 +45,18 @@ void BagArguments::settle() {
     const auto equals = setting.find('=');
     if (equals == std::string::npos)
       throw ParameterError("--set " + setting + ": write GROUP/NAME=VALUE");
-    options.parameters.set(setting.substr(0, equals), setting.substr(equals + 1));
+    const std::string name = setting.substr(0, equals);
+    options.parameters.set(name, setting.substr(equals + 1));
+    if (partOfPose(name)) options.pose_settings.push_back(name);
   }
   options.parameters.validate();
   if (camera_pose.empty()) return;
   options.camera_pose = {camera_pose[0], camera_pose[1], camera_pose[2], camera_pose[3]};
   requireSensible(*options.camera_pose);
+}
+
+void printWarning(std::ostream& out, const std::string& words) {
+  if (!words.empty()) out << "warning: " << words << '\n';
 }
 
 int runTool(CLI::App& app, const char* name, int argc, char** argv,

@@ -39,8 +39,8 @@ Parameters withOptions(const OfflineOptions& options) {
 
 }  // namespace
 
-void runLive(const std::string& node_name, const OfflineOptions& options, const LiveOptions& live,
-             Detector& detector) {
+std::string runLive(const std::string& node_name, const OfflineOptions& options,
+                    const LiveOptions& live, Detector& detector) {
   ros::init(remappings(options.topics), node_name, ros::init_options::AnonymousName);
   if (!ros::master::check())
     throw BagError("no ROS master answers at " + ros::master::getURI() + "; start the robot first");
@@ -68,6 +68,7 @@ void runLive(const std::string& node_name, const OfflineOptions& options, const 
                             monitor.counter("received"),
                             " images received): see what was said above, and --image-topic, "
                             "--odom-topic, --camera-pose"));
+  return options.camera_pose ? "command line" : source.poseSource();
 }
 
 }  // namespace ipm_mapping

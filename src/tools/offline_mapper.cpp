@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <regex>
@@ -79,18 +80,16 @@ void writeText(const std::string& path, const std::string& text) {
   if (!file) throw std::runtime_error("cannot write '" + path + "'");
 }
 
-void warn(const std::string& words) {
-  if (!words.empty()) std::printf("warning: %s\n", words.c_str());
-}
-
-void summarize(const OfflineRun& run, const BagTopics& topics) {
+void summarize(const OfflineRun& run, const RunCamera& camera, const BagTopics& topics) {
   const RunReport& r = run.report();
   const auto ms = r.used() > 0 ? 1e3 * r.processing_seconds / static_cast<double>(r.used()) : 0.0;
   std::printf("%llu frames read, %llu used, %llu contacts, %.2f ms a used frame\n",
               static_cast<unsigned long long>(r.images), static_cast<unsigned long long>(r.used()),
               static_cast<unsigned long long>(r.contacts), ms);
-  warn(frameConcern(r, topics));
-  if (const auto calibration = run.detector().calibration()) warn(concern(*calibration));
+  printWarning(std::cout, camera.concern);
+  printWarning(std::cout, frameConcern(r, topics));
+  if (const auto calibration = run.detector().calibration())
+    printWarning(std::cout, concern(*calibration));
 }
 
 void writePicture(const std::string& path, const cv::Mat& picture) {
@@ -251,7 +250,7 @@ void runOn(Arguments& a) {
   overlay.write(a.out + "/overlay.png");
   writeText(a.out + "/report.json",
             reportJson(run, bag, camera, a.options, a.profile, fpga_files.statistics()));
-  summarize(run, bag.topics());
+  summarize(run, camera, bag.topics());
   listResults(a.out, overlay, series, fpga_files);
 }
 

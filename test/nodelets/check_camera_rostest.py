@@ -24,6 +24,7 @@ class LiveCheck(unittest.TestCase):
             rospy.set_param("/listening", True)
             text, _ = check.communicate(timeout=120)
             self.assertEqual(check.returncode, 0, text)
+            self.assertIn("stated_pose_from: command line\n", text)
             pitch = float(re.search(r"^pitch_deg: ([\d.]+)", text, re.MULTILINE).group(1))
             self.assertAlmostEqual(pitch, math.degrees(0.42), delta=0.3, msg=text)
             height = float(re.search(r"^height_m: ([\d.]+)", text, re.MULTILINE).group(1))

@@ -16,8 +16,10 @@ import unittest
 import numpy as np
 import rosbag
 import rospy
+from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import CameraInfo, Image
+from tf2_msgs.msg import TFMessage
 
 PROGRAM = sys.argv.pop(1)
 WIDTH, HEIGHT, FOCAL, CAMERA_HEIGHT, PITCH = 320, 240, 260.0, 0.4, 0.45
@@ -49,11 +51,26 @@ def floor_picture(x):
     return np.clip(np.nan_to_num(grey), 0, 255).astype(np.uint8)
 
 
+def camera_transform(time):
+    """The camera on the robot, as tf tells."""
+    transform = TransformStamped()
+    transform.header.stamp, transform.header.frame_id = time, "base_footprint"
+    transform.child_frame_id = "camera"
+    transform.transform.translation.z = CAMERA_HEIGHT
+    c, s = 0.5 * math.cos(0.5 * PITCH), 0.5 * math.sin(0.5 * PITCH)
+    q = transform.transform.rotation
+    q.x, q.y, q.z, q.w = -c - s, c + s, s - c, c - s
+    return transform
+
+
 def write_bag(path, images=True, odometry=True, info=False, encoding="mono8", frames=12, fx=FOCAL,
-              still=False, wheels=1.0, picture=floor_picture, clock=0.0):
+              still=False, wheels=1.0, picture=floor_picture, clock=0.0, tf=False, frame="camera"):
     """A robot that drives at 0.25 m/s; 10 pictures a second, odometry at 50 Hz, whose wheels see
     `wheels` times the way and whose clock is `clock` seconds ahead."""
     with rosbag.Bag(path, "w") as bag:
+        if tf:
+            start = rospy.Time.from_sec(1000.0)
+            bag.write("/tf_static", TFMessage([camera_transform(start)]), start)
         for k in range(5 * frames - 2):
             t = rospy.Time.from_sec(1000.0 + 0.02 * k)
             x = 0.0 if still else 0.25 * 0.02 * k
@@ -67,7 +84,7 @@ def write_bag(path, images=True, odometry=True, info=False, encoding="mono8", fr
                 bag.write("/odom", message, t)
             if images and k % 5 == 0:
                 image = Image(height=HEIGHT, width=WIDTH, encoding=encoding, step=WIDTH)
-                image.header.stamp, image.header.frame_id = t, "camera"
+                image.header.stamp, image.header.frame_id = t, frame
                 image.data = picture(x).tobytes()
                 bag.write("/camera/rgb/image_raw", image, t)
                 if info:
@@ -150,7 +167,10 @@ class OfflineMapper(unittest.TestCase):
 
     def results(self, *arguments):
         """Warnings, and the files and folders that the tool says it wrote."""
-        result = self.run_it(self.bag, "--out", self.out, self.pose, *arguments)
+        return self.told_and_named(self.pose, *arguments)
+
+    def told_and_named(self, *arguments):
+        result = self.run_it(self.bag, "--out", self.out, *arguments)
         self.assertEqual(result.returncode, 0, result.stderr)
         lines = result.stdout.splitlines()
         head = "results in %s: " % self.out
@@ -174,6 +194,34 @@ class OfflineMapper(unittest.TestCase):
                 self.assertIn(each, warnings[0])
         write_bag(self.bag, info=True)
         self.assertEqual(self.results()[0], [])
+
+    def warnings(self, *arguments):
+        return self.told_and_named(*arguments)[0]
+
+    def test_says_that_tf_does_not_know_the_camera(self):
+        stated = ("--set", "camera/z=%g" % CAMERA_HEIGHT, "--set", "camera/pitch=%g" % PITCH)
+        write_bag(self.bag, info=True)
+        told = self.warnings(*stated)
+        self.assertEqual(len(told), 1, told)
+        self.assertIn("tf does not know 'camera' in 'base_footprint': the camera pose is taken from "
+                      "the parameters camera/x ... roll (0.05, 0, 0.4 m, pitch 0.45 rad)", told[0])
+        self.assertEqual(self.warnings(self.pose), [])
+        self.assertEqual(self.warnings(*stated, "--set", "camera/pose_from_tf=false"), [])
+        write_bag(self.bag, info=True, frame="")
+        self.assertIn("the images name no frame_id: the camera pose", self.warnings(*stated)[0])
+
+    def test_says_that_a_pose_set_by_hand_has_no_effect(self):
+        write_bag(self.bag, info=True, tf=True)
+        self.assertEqual(self.warnings(), [])
+        told = self.warnings("--set", "camera/pitch=0.3", "--set", "camera/roll=0.1",
+                             "--set", "camera/image_time_offset=0")
+        self.assertEqual(len(told), 1, told)
+        self.assertTrue(told[0].startswith("camera/pitch, camera/roll without effect"), told[0])
+        self.assertIn("camera/pose_from_tf=false", told[0])
+        self.assertEqual(self.warnings("--set", "camera/z=0.4", "--set", "camera/x=0", "--set",
+                                       "camera/pitch=0.45", "--set", "camera/pose_from_tf=false"), [])
+        write_bag(self.bag, info=True, tf=True, frame="/camera")
+        self.assertEqual(self.warnings(), [], "tf knows no slash")
 
     def test_names_the_files_that_it_wrote_and_no_others(self):
         write_bag(self.bag, info=True)

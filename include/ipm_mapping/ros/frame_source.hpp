@@ -48,6 +48,8 @@ class FrameSource {
   /// Subscribes, with an empty history.
   void start();
   void stop();
+  /// Where the camera's pose came from: "tf" or "parameters".
+  [[nodiscard]] const char* poseSource() const { return camera_.poseSource(); }
 
  private:
   struct Waiting {
