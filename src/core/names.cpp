@@ -23,6 +23,8 @@ const char* name(FrameStatus status) {
       return "used";
     case FrameStatus::NoCamera:
       return "no_camera";
+    case FrameStatus::CameraUnsupported:
+      return "camera_unsupported";
     case FrameStatus::SizeMismatch:
       return "size_mismatch";
     case FrameStatus::NoReference:

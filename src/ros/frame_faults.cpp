@@ -1,5 +1,6 @@
 #include "ipm_mapping/ros/frame_faults.hpp"
 
+#include "ipm_mapping/fpga/formats.hpp"
 #include "ipm_mapping/ros/offline_run.hpp"
 #include "ipm_mapping/ros/sentence.hpp"
 
@@ -79,6 +80,9 @@ std::string explain(FrameStatus status) {
       return "used";
     case FrameStatus::NoCamera:
       return "the camera's calibration is not known";
+    case FrameStatus::CameraUnsupported:
+      return sentence("the FPGA model holds images up to ", fpga::max_width, " x ",
+                      fpga::max_height, " of cameras that fit its registers: not this one");
     case FrameStatus::SizeMismatch:
       return "image is not of the calibrated size";
     case FrameStatus::NoReference:

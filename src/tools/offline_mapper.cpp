@@ -191,7 +191,9 @@ class FpgaFiles {
       : model_(dynamic_cast<const FpgaDetector*>(&detector)),
         statistics_(a.options.parameters.fpga_clock),
         path_(a.out + "/fifo.bin") {
-    if (model_ != nullptr) fifo_.open(path_, std::ios::binary);
+    if (model_ == nullptr) return;
+    if (model_->cameraError()) throw BagError(*model_->cameraError());
+    fifo_.open(path_, std::ios::binary);
   }
   /// After every used frame.
   void add() {

@@ -358,6 +358,13 @@ class OfflineMapper(unittest.TestCase):
         self.refused(3, "/front/image", self.bag, "--out", self.out, "--image-topic", "/front/image")
         self.refused(3, "--camera-info", self.bag, "--out", self.out, self.pose)
 
+    def large_calibration(self):
+        path = os.path.join(self.folder.name, "large.yaml")
+        with open(path, "w", encoding="ascii") as file:
+            file.write(CALIBRATION.replace("image_width: 320", "image_width: 640")
+                       .replace("image_height: 240", "image_height: 481"))
+        return path
+
     def test_bad_calibrations_and_pictures_are_named(self):
         write_bag(self.bag, info=True, fx=0.0)
         self.refused(3, "K[0]", self.bag, "--out", self.out, self.pose)
@@ -366,6 +373,8 @@ class OfflineMapper(unittest.TestCase):
         write_bag(self.bag, info=True)
         with open(self.calibration, "w", encoding="ascii") as file:
             file.write(CALIBRATION.replace("image_width: 320", "image_width: 640"))
+        self.refused(3, "image of 640 x 481: the datapath holds up to 640 x 480", self.bag, "--out",
+                     self.out, "--camera-info", self.large_calibration(), self.pose, "--fpga")
         self.refused(3, "calibrated size", self.bag, "--out", self.out, "--camera-info",
                      self.calibration, self.pose)
 
