@@ -1,5 +1,7 @@
 #include "ipm_mapping/ros/bag_arguments.hpp"
 
+#include <cmath>
+#include <cstdlib>
 #include <iostream>
 
 #include "ipm_mapping/io/parameters_yaml.hpp"
@@ -53,6 +55,16 @@ void BagArguments::settle() {
   if (camera_pose.empty()) return;
   options.camera_pose = {camera_pose[0], camera_pose[1], camera_pose[2], camera_pose[3]};
   requireSensible(*options.camera_pose);
+}
+
+CLI::Validator positiveNumber() {
+  return {[](const std::string& text) {
+            const double value = std::strtod(text.c_str(), nullptr);
+            return value > 0.0 && std::isfinite(value)
+                       ? std::string()
+                       : "has to be a number above 0, not '" + text + "'";
+          },
+          "POSITIVE"};
 }
 
 void printWarning(std::ostream& out, const std::string& words) {

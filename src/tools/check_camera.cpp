@@ -31,7 +31,7 @@ struct Arguments : BagArguments {
     auto* flag = app.add_flag("--live", live, "listen to the robot instead")->excludes(bag);
     app.add_option("--seconds", live_options.seconds, "how long to listen (60)")
         ->needs(flag)
-        ->check(CLI::PositiveNumber);
+        ->check(positiveNumber());
     app.add_option("--image-transport", live_options.image_transport, "raw or compressed (raw)")
         ->needs(flag);
     app.add_option("--out", out, "folder for camera_check.png (made if missing; default: here)");

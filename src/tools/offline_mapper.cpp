@@ -45,7 +45,7 @@ struct Arguments : BagArguments {
                  "only contacts seen in several of the last used frames (memory/filter)");
     app.add_option("--truth", truth, "truth.json of a rendered scene, drawn into map.png");
     app.add_option("--overlays", overlays, "draw every N-th used frame into overlays/NNNNNN.png")
-        ->check(CLI::PositiveNumber);
+        ->check(positiveNumber());
     app.add_option("--simd", simd,
                    "widest instruction set to use, e.g. AVX2: results stay, times do not");
   }

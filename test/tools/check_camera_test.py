@@ -134,6 +134,7 @@ class CheckCamera(unittest.TestCase):
         self.refused(2, "--live")
         self.refused(2, "excludes", self.bag, "--live")
         self.refused(2, "--seconds", self.bag, "--seconds", "3")
+        self.refused(2, "--seconds: has to be a number above 0, not '0'", "--live", "--seconds", "0")
         self.refused(2, "no parameter 'calibration/x'", self.bag, "--set", "calibration/x=1")
         self.refused(2, "camera/pitch = 24 rad", self.bag, "--camera-pose=0,0,0.4,24")
         self.refused(3, "cannot read bag", "/nowhere.bag")

@@ -258,7 +258,9 @@ class OfflineMapper(unittest.TestCase):
         self.assertEqual(sorted(os.listdir(folder)), wanted)
         pictures = {open(os.path.join(folder, name), "rb").read() for name in wanted}
         self.assertEqual(len(pictures), len(wanted), "each shows a frame of its own")
-        self.refused(2, "--overlays", self.bag, "--out", self.out, "--overlays", "0")
+        for wrong in ("0", "-3", "x", "inf"):
+            self.refused(2, "--overlays: has to be a number above 0, not '%s'\n" % wrong, self.bag,
+                         "--out", self.out, "--overlays", wrong)
 
     def test_trajectory_has_every_frame_by_wheels_and_by_floor(self):
         write_bag(self.bag, info=True, frames=20)

@@ -27,6 +27,9 @@ struct BagArguments {
   void settle();
 };
 
+/// For options that take a number above 0.
+[[nodiscard]] CLI::Validator positiveNumber();
+
 /// One line; none without words.
 void printWarning(std::ostream& out, const std::string& words);
 
