@@ -211,6 +211,21 @@ TEST(FieldText, DescribesTypeUnitRangeAndChoices) {
   });
 }
 
+TEST(FieldText, RangesReadBackAsTheirFieldsType) {
+  Parameters parameters;
+  Parameters::groups(parameters, [](const char*, const auto& group) {
+    describeFields(group, [](const FieldText& field) {
+      if (field.type != "int") return;
+      const std::size_t dots = field.range.find(" ... ");
+      ASSERT_NE(dots, std::string::npos) << field.name;
+      EXPECT_NO_THROW(fromText<int>(field.range.substr(0, dots))) << field.name;
+      EXPECT_NO_THROW(fromText<int>(field.range.substr(dots + 5))) << field.name;
+    });
+  });
+  parameters.fpga_clock.frame_blanking = -1;
+  EXPECT_TRUE(contains(errorOf([&] { parameters.validate(); }), "0 ... 100000000"));
+}
+
 TEST(NodeParameters, DefaultsLieInTheirRanges) {
   EXPECT_NO_THROW(validateFields("source", SourceParameters{}));
   EXPECT_NO_THROW(validateFields("mapper", MapperParameters{}));
