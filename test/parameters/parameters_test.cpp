@@ -143,6 +143,13 @@ TEST(Parameters, SetChangesOneFieldByItsPath) {
         contains(errorOf([&] { parameters.set(unknown, "1"); }), "'" + std::string(unknown) + "'"));
 }
 
+TEST(Parameters, SetNamesTheParameterThatMayBeMeant) {
+  Parameters parameters;
+  EXPECT_EQ(errorOf([&] { parameters.set("sweep/publish_scor", "4"); }),
+            "there is no parameter 'sweep/publish_scor'; did you mean 'sweep/publish_score'?");
+  EXPECT_EQ(errorOf([&] { parameters.set("nonsense", "4"); }), "there is no parameter 'nonsense'");
+}
+
 // --- one value from text ---------------------------------------------------------------
 
 template <class T>
