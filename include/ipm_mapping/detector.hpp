@@ -23,17 +23,20 @@ struct Frame {
 
 /// What a detector did with a frame. Everything but Used is a reason to count.
 enum class FrameStatus : std::uint8_t {
-  Used,             ///< the answer is valid
-  NoCamera,         ///< no usable calibration yet
-  SizeMismatch,     ///< the image is not of the calibrated size
-  NoReference,      ///< no earlier frame far enough back: the history is still filling
-  NoMotion,         ///< the robot stands: no parallax, no new evidence
-  TooMuchRotation,  ///< turning on the spot
-  FocusUnusable,    ///< the beam has no usable focus
-  GeometryUnusable  ///< the homography cannot be represented
+  Used,               ///< the answer is valid
+  NoCamera,           ///< no usable calibration yet
+  CameraUnsupported,  ///< the FPGA model's registers cannot hold the camera
+  SizeMismatch,       ///< the image is not of the calibrated size
+  NoReference,        ///< no earlier frame far enough back: the history is still filling
+  NoMotion,           ///< the robot stands: no parallax, no new evidence
+  TooMuchRotation,    ///< turning on the spot
+  FocusUnusable,      ///< the beam has no usable focus
+  GeometryUnusable    ///< the homography cannot be represented
 };
-inline constexpr int frame_status_count = 8;
+inline constexpr int frame_status_count = 9;
 [[nodiscard]] const char* name(FrameStatus status);
+/// False for a valid answer, and where there is none because the robot's way shows nothing new.
+[[nodiscard]] bool isFault(FrameStatus status);
 
 /// Time spent in one named stage of the last frame.
 struct StageTime {

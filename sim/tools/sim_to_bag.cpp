@@ -15,6 +15,7 @@
 #include <stdexcept>
 
 #include "ipm_mapping_sim/scene_yaml.hpp"
+#include "ros/help.hpp"
 #include "ros/messages.hpp"
 
 namespace {
@@ -23,7 +24,8 @@ using namespace ipm_mapping::sim;
 
 constexpr const char* kUsage =
     "usage: sim_to_bag SCENE.yaml OUT.bag [--seed N] [--frames N] [--truth OUT.truth.json]\n"
-    "                  [--set PATH=VALUE ...]   e.g. --set camera.pitch_error=0.01\n";
+    "                  [--set PATH=VALUE ...]   e.g. --set camera.pitch_error=0.01\n"
+    "--frames takes the first N frames of the drive; without it, all of them\n";
 
 struct UsageError : std::runtime_error {
   using std::runtime_error::runtime_error;
@@ -53,6 +55,7 @@ void takeOption(const std::string& option, const std::string& value, Options& op
     options.overrides.emplace_back("seed", std::to_string(wholeNumber(option, value)));
   } else if (option == "--frames") {
     options.frames = wholeNumber(option, value);
+    if (*options.frames == 0) throw UsageError("--frames 0 leaves nothing to write");
   } else if (option == "--truth") {
     options.truth = value;
   } else if (option == "--set") {
@@ -175,6 +178,10 @@ void run(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (asksForHelp(argc, argv)) {
+    std::cout << kUsage;
+    return 0;
+  }
   try {
     ros::Time::init();
     run(parse({argv + 1, argv + argc}));

@@ -6,16 +6,22 @@
 #include <tf2_ros/transform_broadcaster.h>
 
 #include <atomic>
+#include <iostream>
 #include <thread>
 
 #include "ipm_mapping_sim/live_motion.hpp"
 #include "ipm_mapping_sim/scene_yaml.hpp"
+#include "ros/help.hpp"
 #include "ros/messages.hpp"
 
 namespace ipm_mapping::sim {
 namespace {
 
 constexpr double kMapResolution = 0.05;
+constexpr const char* kUsage =
+    "usage: simulated_robot _scene:=SCENE.yaml\n"
+    "A node: listens to cmd_vel, publishes camera/rgb/image_raw, camera/rgb/camera_info, odom, tf\n"
+    "and the truth as ground_truth/odom and ground_truth/map. Needs a ROS master.\n";
 
 class SimulatedRobot {
  public:
@@ -114,6 +120,10 @@ class SimulatedRobot {
 }  // namespace ipm_mapping::sim
 
 int main(int argc, char** argv) {
+  if (ipm_mapping::sim::asksForHelp(argc, argv)) {
+    std::cout << ipm_mapping::sim::kUsage;
+    return 0;
+  }
   ros::init(argc, argv, "simulated_robot");
   ros::NodeHandle node;
   const ros::NodeHandle options("~");

@@ -23,6 +23,8 @@ const char* name(FrameStatus status) {
       return "used";
     case FrameStatus::NoCamera:
       return "no_camera";
+    case FrameStatus::CameraUnsupported:
+      return "camera_unsupported";
     case FrameStatus::SizeMismatch:
       return "size_mismatch";
     case FrameStatus::NoReference:
@@ -37,6 +39,18 @@ const char* name(FrameStatus status) {
       return "geometry_unusable";
   }
   return "unknown";
+}
+
+bool isFault(FrameStatus status) {
+  switch (status) {
+    case FrameStatus::Used:
+    case FrameStatus::NoReference:
+    case FrameStatus::NoMotion:
+    case FrameStatus::TooMuchRotation:
+      return false;
+    default:
+      return true;
+  }
 }
 
 const char* name(GateDrop reason) {

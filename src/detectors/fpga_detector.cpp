@@ -54,6 +54,7 @@ GrayView FpgaDetector::reference() const {
 
 FrameStatus FpgaDetector::prepare(const Frame& frame, Obstacles& obstacles) {
   reference_ = nullptr;
+  if (camera_error_) return FrameStatus::CameraUnsupported;
   if (!has_camera_) return FrameStatus::NoCamera;
   if (frame.image.width != camera_.width() || frame.image.height != camera_.height())
     return FrameStatus::SizeMismatch;

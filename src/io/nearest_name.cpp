@@ -35,4 +35,9 @@ std::string nearestName(const std::string& word, const std::vector<std::string>&
   return nearest;
 }
 
+std::string didYouMean(const std::string& word, const std::vector<std::string>& candidates) {
+  const std::string nearest = nearestName(word, candidates);
+  return nearest.empty() ? "" : "; did you mean '" + nearest + "'?";
+}
+
 }  // namespace ipm_mapping

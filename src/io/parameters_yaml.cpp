@@ -41,9 +41,7 @@ class Reader {
   }
   [[noreturn]] void failUnknown(const YAML::Node& at, const char* kind, const std::string& name,
                                 const std::vector<std::string>& known) const {
-    const std::string nearest = nearestName(name, known);
-    fail(at, std::string("there is no ") + kind + " '" + name + "'" +
-                 (nearest.empty() ? "" : "; did you mean '" + nearest + "'?"));
+    fail(at, std::string("there is no ") + kind + " '" + name + "'" + didYouMean(name, known));
   }
 
   [[nodiscard]] Parameters base(const YAML::Node& file) const {

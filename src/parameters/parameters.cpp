@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "ipm_mapping/io/nearest_name.hpp"
 #include "ipm_mapping/parameters/visitors.hpp"
 
 namespace ipm_mapping {
@@ -51,14 +52,18 @@ Parameters Parameters::profile(const std::string& name) {
 
 void Parameters::set(const std::string& group_and_field, const std::string& text) {
   bool found = false;
+  std::vector<std::string> known;
   groups(*this, [&](const std::string& group, auto& fields) {
     forEachField(fields, [&](const std::string& field, auto& value, Unit, Range, const char*) {
-      if (group + "/" + field != group_and_field) return;
+      known.push_back(group + "/" + field);
+      if (known.back() != group_and_field) return;
       setFromText(group_and_field, text, value);
       found = true;
     });
   });
-  if (!found) throw ParameterError("there is no parameter '" + group_and_field + "'");
+  if (!found)
+    throw ParameterError("there is no parameter '" + group_and_field + "'" +
+                         didYouMean(group_and_field, known));
 }
 
 void Parameters::validate() const {

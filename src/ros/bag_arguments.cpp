@@ -1,10 +1,31 @@
 #include "ipm_mapping/ros/bag_arguments.hpp"
 
+#include <cmath>
+#include <cstdlib>
 #include <iostream>
 
 #include "ipm_mapping/io/parameters_yaml.hpp"
+#include "ipm_mapping/parameters/visitors.hpp"
 
 namespace ipm_mapping {
+namespace {
+
+/// What `--set camera/NAME=VALUE` would refuse is refused here as well.
+void requireSensible(const std::array<double, 4>& pose) {
+  CameraParameters stated;
+  stated.x = pose[0];
+  stated.y = pose[1];
+  stated.z = pose[2];
+  stated.pitch = pose[3];
+  validateFields("--camera-pose: camera", stated);
+}
+
+bool partOfPose(const std::string& name) {
+  return name == "camera/x" || name == "camera/y" || name == "camera/z" || name == "camera/pitch" ||
+         name == "camera/yaw" || name == "camera/roll";
+}
+
+}  // namespace
 
 void BagArguments::declare(CLI::App& app) {
   app.add_option("--profile", profile, "default, paper, first_architecture, or a YAML file");
@@ -26,11 +47,28 @@ void BagArguments::settle() {
     const auto equals = setting.find('=');
     if (equals == std::string::npos)
       throw ParameterError("--set " + setting + ": write GROUP/NAME=VALUE");
-    options.parameters.set(setting.substr(0, equals), setting.substr(equals + 1));
+    const std::string name = setting.substr(0, equals);
+    options.parameters.set(name, setting.substr(equals + 1));
+    if (partOfPose(name)) options.pose_settings.push_back(name);
   }
   options.parameters.validate();
-  if (!camera_pose.empty())
-    options.camera_pose = {camera_pose[0], camera_pose[1], camera_pose[2], camera_pose[3]};
+  if (camera_pose.empty()) return;
+  options.camera_pose = {camera_pose[0], camera_pose[1], camera_pose[2], camera_pose[3]};
+  requireSensible(*options.camera_pose);
+}
+
+CLI::Validator positiveNumber() {
+  return {[](const std::string& text) {
+            const double value = std::strtod(text.c_str(), nullptr);
+            return value > 0.0 && std::isfinite(value)
+                       ? std::string()
+                       : "has to be a number above 0, not '" + text + "'";
+          },
+          "POSITIVE"};
+}
+
+void printWarning(std::ostream& out, const std::string& words) {
+  if (!words.empty()) out << "warning: " << words << '\n';
 }
 
 int runTool(CLI::App& app, const char* name, int argc, char** argv,

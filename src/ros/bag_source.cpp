@@ -11,6 +11,8 @@
 #include <set>
 #include <vector>
 
+#include "ipm_mapping/ros/odometry_source.hpp"
+
 namespace ipm_mapping {
 namespace {
 
@@ -146,15 +148,15 @@ std::optional<sensor_msgs::CameraInfo> BagSource::cameraInfo() const {
 
 std::string BagSource::frameOfImages() const {
   if (const auto raw = firstOf<sensor_msgs::Image>(bag_, topics_.image))
-    return raw->header.frame_id;
+    return withoutSlash(raw->header.frame_id);
   if (const auto compressed = firstOf<sensor_msgs::CompressedImage>(bag_, topics_.image))
-    return compressed->header.frame_id;
+    return withoutSlash(compressed->header.frame_id);
   return {};
 }
 
 std::string BagSource::baseFrame() const {
   const auto odometry = firstOf<nav_msgs::Odometry>(bag_, topics_.odometry);
-  return odometry ? odometry->child_frame_id : std::string();
+  return odometry ? withoutSlash(odometry->child_frame_id) : std::string();
 }
 
 std::optional<CameraPose> BagSource::cameraPose() const {

@@ -19,7 +19,21 @@ bool sameStatedPose(const CameraParameters& a, const CameraParameters& b) {
          std::tie(b.x, b.y, b.z, b.pitch, b.yaw, b.roll);
 }
 
+/// Why tf has no pose of the camera.
+std::string unknownToTf(const std::string& optical_frame, const std::string& base_frame) {
+  if (optical_frame.empty()) return "the images name no frame_id";
+  if (base_frame.empty()) return "the odometry names no child_frame_id";
+  return sentence("tf does not know '", optical_frame, "' in '", base_frame, "'");
+}
+
 }  // namespace
+
+std::string statedPoseTaken(const CameraParameters& p, const std::string& optical_frame,
+                            const std::string& base_frame) {
+  return sentence(unknownToTf(optical_frame, base_frame),
+                  ": the camera pose is taken from the parameters camera/x ... roll (", p.x, ", ",
+                  p.y, ", ", p.z, " m, pitch ", p.pitch, " rad)");
+}
 
 CameraSource::CameraSource(ros::NodeHandle& node, const tf2::BufferCore& tf,
                            const CameraParameters& parameters, StageMonitor& monitor)
@@ -105,12 +119,13 @@ bool CameraSource::takeTransform(const std::string& optical_frame, const std::st
 
 void CameraSource::takeStatedPose(const std::string& optical_frame, const std::string& base_frame) {
   const CameraParameters& p = parameters_;
-  if (p.pose_from_tf)
-    monitor_.warn(sentence("tf does not know '", optical_frame, "' in '", base_frame,
-                           "': the camera pose is taken from the parameters camera/x ... roll (",
-                           p.x, ", ", p.y, ", ", p.z, " m, pitch ", p.pitch, " rad)"));
+  if (p.pose_from_tf) monitor_.warn(statedPoseTaken(p, optical_frame, base_frame));
   takePose(cameraPose(p.x, p.y, p.z, p.pitch, p.yaw, p.roll), "parameters camera/x ... roll",
            p.pose_from_tf ? Origin::SecondChoice : Origin::FirstChoice);
+}
+
+const char* CameraSource::poseSource() const {
+  return parameters_.pose_from_tf && pose_origin_ == Origin::FirstChoice ? "tf" : "parameters";
 }
 
 bool CameraSource::update(const std::string& optical_frame, const std::string& base_frame,

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "ipm_mapping/ros/camera_info.hpp"
+#include "ipm_mapping/ros/frame_faults.hpp"
 #include "ipm_mapping/ros/parameter_loader.hpp"
 #include "ipm_mapping/ros/sentence.hpp"
 
@@ -11,32 +12,6 @@ namespace {
 
 constexpr double silence = 10.0, repeat_silence = 60.0;  // seconds without any image
 constexpr double start_seconds = 5.0;
-
-const char* inWords(OdometryVerdict refusal) {
-  return refusal == OdometryVerdict::NotFinite
-             ? "it is not finite, or its orientation is no unit quaternion"
-             : "it jumps farther than odometry/max_speed and odometry/max_jump allow";
-}
-
-std::string explain(GateDrop reason, const std::string& odometry, const std::string& missing) {
-  switch (reason) {
-    case GateDrop::Overflow:
-      return "too many images wait for odometry on " + odometry;
-    case GateDrop::NoOdometry:
-      return missing;
-    case GateDrop::TooOld:
-      return "image older than all odometry on " + odometry;
-    case GateDrop::OdometryGap:
-      return "gap in the odometry on " + odometry;
-    case GateDrop::OutOfOrder:
-      return "image is not newer than the one before it";
-    case GateDrop::BadStamp:
-      return "image without a usable stamp";
-    case GateDrop::ClockJump:
-      return "image still waited for odometry when the clock was set back";
-  }
-  return "image dropped";
-}
 
 }  // namespace
 
@@ -132,7 +107,7 @@ void FrameSource::onOdometry(double stamp, const SE2& T_odom_base) {
     refusal_ = verdict;
   }
   if (verdict == OdometryVerdict::NotFinite)
-    monitor_.warn(sentence("odometry is dropped: ", inWords(verdict)));
+    monitor_.warn(sentence("odometry is dropped: ", explain(verdict)));
   if (anew) {
     waiting_since_.reset();
     restart(verdict == OdometryVerdict::TimeJump ? "clock of the odometry was set back"
@@ -190,7 +165,7 @@ void FrameSource::process(const Gate::Released& frame) {
   if (camera_parameters_.image_time_offset != 0.0) info.header.stamp = rosTime(frame.stamp);
   const FrameStatus status =
       handlers_.frame({frame.payload.index, frame.stamp, picture.view, frame.T_odom_base}, info);
-  monitor_.answered(status, info.header.stamp, "the geometry of this frame cannot be used");
+  monitor_.answered(status, info.header.stamp, explain(status));
 }
 
 /// Why no odometry reaches the images' stamps.
@@ -202,8 +177,8 @@ std::string FrameSource::missingOdometry() const {
                           odometry_.frames().odom, "'")
                : "no odometry comes in on " + topic;
   if (2 * odometry_refused_ > odometry_received_)
-    return sentence("odometry on ", topic, " is of no use: ", inWords(refusal_));
-  return "odometry on " + topic + " does not reach the images' stamps";
+    return sentence("odometry on ", topic, " is of no use: ", explain(refusal_));
+  return explain(GateDrop::NoOdometry, topic);
 }
 
 void FrameSource::reportGate() {
@@ -215,7 +190,9 @@ void FrameSource::reportGate() {
         monitor_.skipped("before_odometry");
         continue;
       }
-      monitor_.dropped(name(reason), explain(reason, odometry_.topic(), missingOdometry()));
+      monitor_.dropped(name(reason), reason == GateDrop::NoOdometry
+                                         ? missingOdometry()
+                                         : explain(reason, odometry_.topic()));
     }
   }
 }

@@ -37,10 +37,20 @@ Parameters withOptions(const OfflineOptions& options) {
   return parameters;
 }
 
+/// Without an image nothing else has been said.
+std::string nothingCame(const LiveOptions& live, const FrameSource& source, std::uint64_t images) {
+  if (images == 0)
+    return sentence("no frame came through in ", live.seconds, " s: no image on ",
+                    source.imageTopic(), "; choose with --image-topic and --image-transport");
+  return sentence("no frame came through in ", live.seconds, " s: ", images, " images on ",
+                  source.imageTopic(), ", odometry expected on ", source.odometryTopic(),
+                  "; see what was said above, and --odom-topic, --camera-info, --camera-pose");
+}
+
 }  // namespace
 
-void runLive(const std::string& node_name, const OfflineOptions& options, const LiveOptions& live,
-             Detector& detector) {
+std::string runLive(const std::string& node_name, const OfflineOptions& options,
+                    const LiveOptions& live, Detector& detector) {
   ros::init(remappings(options.topics), node_name, ros::init_options::AnonymousName);
   if (!ros::master::check())
     throw BagError("no ROS master answers at " + ros::master::getURI() + "; start the robot first");
@@ -63,11 +73,8 @@ void runLive(const std::string& node_name, const OfflineOptions& options, const 
   while (ros::ok() && ros::WallTime::now() < end)
     ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.05));
   source.stop();
-  if (frames == 0)
-    throw BagError(sentence("no frame came through in ", live.seconds, " s (",
-                            monitor.counter("received"),
-                            " images received): see what was said above, and --image-topic, "
-                            "--odom-topic, --camera-pose"));
+  if (frames == 0) throw BagError(nothingCame(live, source, monitor.counter("received")));
+  return options.camera_pose ? "command line" : source.poseSource();
 }
 
 }  // namespace ipm_mapping

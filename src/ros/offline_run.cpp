@@ -7,6 +7,7 @@
 #include "ipm_mapping/detectors/floor_observation.hpp"
 #include "ipm_mapping/detectors/pipeline.hpp"
 #include "ipm_mapping/ros/camera_info.hpp"
+#include "ipm_mapping/ros/camera_source.hpp"
 #include "ipm_mapping/ros/poses.hpp"
 
 namespace ipm_mapping {
@@ -35,6 +36,16 @@ sensor_msgs::CameraInfo calibrationOf(const BagSource& bag, const OfflineOptions
   return *recorded;
 }
 
+/// Says that a pose which was set by hand is not the one that is taken.
+std::string ineffective(const std::vector<std::string>& settings) {
+  if (settings.empty()) return {};
+  std::string names;
+  for (const std::string& name : settings) names += (names.empty() ? "" : ", ") + name;
+  return names +
+         " without effect: tf knows the camera's pose, and it is taken; set "
+         "camera/pose_from_tf=false to use the parameters' instead";
+}
+
 }  // namespace
 
 RunCamera resolveCamera(const BagSource& bag, const OfflineOptions& options) {
@@ -52,9 +63,11 @@ RunCamera resolveCamera(const BagSource& bag, const OfflineOptions& options) {
   } else if (from_tf) {
     camera.T_base_camera = *from_tf;
     camera.pose_source = "tf";
+    camera.concern = ineffective(options.pose_settings);
   } else {
     camera.T_base_camera = cameraPose(p.x, p.y, p.z, p.pitch, p.yaw, p.roll);
     camera.pose_source = "parameters";
+    if (p.pose_from_tf) camera.concern = statedPoseTaken(p, bag.frameOfImages(), bag.baseFrame());
   }
   if (const auto error = checkCameraPose(camera.T_base_camera))
     throw BagError(camera.pose_source + ": " + *error);

@@ -65,16 +65,9 @@ void StageMonitor::lost(std::uint64_t messages) {
 
 void StageMonitor::answered(FrameStatus status, const ros::Time& stamp,
                             const std::string& sentence) {
-  switch (status) {
-    case FrameStatus::Used:
-      return used(stamp);
-    case FrameStatus::NoReference:
-    case FrameStatus::NoMotion:
-    case FrameStatus::TooMuchRotation:
-      return skipped(ipm_mapping::name(status));
-    default:
-      return dropped(ipm_mapping::name(status), sentence);
-  }
+  if (status == FrameStatus::Used) return used(stamp);
+  if (!isFault(status)) return skipped(ipm_mapping::name(status));
+  dropped(ipm_mapping::name(status), sentence);
 }
 
 void StageMonitor::setConcern(const std::string& sentence) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <iostream>
 #include <opencv2/imgcodecs.hpp>
 
 #include "ipm_mapping/ros/bag_arguments.hpp"
@@ -30,7 +31,7 @@ struct Arguments : BagArguments {
     auto* flag = app.add_flag("--live", live, "listen to the robot instead")->excludes(bag);
     app.add_option("--seconds", live_options.seconds, "how long to listen (60)")
         ->needs(flag)
-        ->check(CLI::PositiveNumber);
+        ->check(positiveNumber());
     app.add_option("--image-transport", live_options.image_transport, "raw or compressed (raw)")
         ->needs(flag);
     app.add_option("--out", out, "folder for camera_check.png (made if missing; default: here)");
@@ -139,17 +140,23 @@ void writePicture(const CalibrationReport& r, const sweep::CameraCheck& check,
   std::printf("picture: %s\n", path.c_str());
 }
 
+/// Returns where the stated pose comes from.
+std::string runOnBag(const OfflineOptions& options, sweep::CameraCheck& check) {
+  const BagSource bag(options.bag, options.topics);
+  const RunCamera camera = resolveCamera(bag, options);
+  OfflineRun run(bag, camera, options.parameters, check);
+  run.run({});
+  requireImages(run.report());
+  printWarning(std::cout, camera.concern);
+  return camera.pose_source;
+}
+
 void runOn(const Arguments& a) {
   sweep::CameraCheck check(a.options.parameters.sweep, a.options.parameters.calibration);
-  if (a.live) {
-    runLive("check_camera", a.options, a.live_options, check);
-  } else {
-    const BagSource bag(a.options.bag, a.options.topics);
-    OfflineRun run(bag, resolveCamera(bag, a.options), a.options.parameters, check);
-    run.run({});
-    requireImages(run.report());
-  }
+  const std::string stated_from = a.live ? runLive("check_camera", a.options, a.live_options, check)
+                                         : runOnBag(a.options, check);
   const CalibrationReport report = requireEstimate(check, a.options.parameters.calibration);
+  std::printf("stated_pose_from: %s\n", stated_from.c_str());
   printReport(report, check);
   writePicture(report, check, a.out);
 }

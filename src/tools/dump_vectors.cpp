@@ -2,6 +2,7 @@
 // bag or from files. Exit codes: 0 done, 2 wrong usage, 3 input unreadable or missing.
 
 #include <CLI/CLI.hpp>
+#include <iostream>
 
 #include "ipm_mapping/detectors/fpga_detector.hpp"
 #include "ipm_mapping/fpga/vectors.hpp"
@@ -42,6 +43,7 @@ void dumpInputs(const Arguments& a) {
 void dumpFrame(const Arguments& a) {
   const BagSource bag(a.options.bag, a.options.topics);
   const RunCamera camera = resolveCamera(bag, a.options);
+  printWarning(std::cerr, camera.concern);
   FpgaDetector detector(a.options.parameters);
   OfflineRun run(bag, camera, a.options.parameters, detector);
   if (detector.cameraError()) throw BagError(*detector.cameraError());

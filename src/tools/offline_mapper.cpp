@@ -8,8 +8,10 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <regex>
 
 #include "ipm_mapping/detectors/fpga_statistics.hpp"
 #include "ipm_mapping/fpga/fifo.hpp"
@@ -17,6 +19,7 @@
 #include "ipm_mapping/kernels/simd_target.hpp"
 #include "ipm_mapping/mapping/map_io.hpp"
 #include "ipm_mapping/ros/bag_arguments.hpp"
+#include "ipm_mapping/ros/frame_faults.hpp"
 #include "ipm_mapping/ros/offline_run.hpp"
 #include "ipm_mapping/ros/report_json.hpp"
 #include "ipm_mapping/view/map_picture.hpp"
@@ -42,7 +45,7 @@ struct Arguments : BagArguments {
                  "only contacts seen in several of the last used frames (memory/filter)");
     app.add_option("--truth", truth, "truth.json of a rendered scene, drawn into map.png");
     app.add_option("--overlays", overlays, "draw every N-th used frame into overlays/NNNNNN.png")
-        ->check(CLI::PositiveNumber);
+        ->check(positiveNumber());
     app.add_option("--simd", simd,
                    "widest instruction set to use, e.g. AVX2: results stay, times do not");
   }
@@ -77,19 +80,16 @@ void writeText(const std::string& path, const std::string& text) {
   if (!file) throw std::runtime_error("cannot write '" + path + "'");
 }
 
-void summarize(const OfflineRun& run, const std::string& out) {
+void summarize(const OfflineRun& run, const RunCamera& camera, const BagTopics& topics) {
   const RunReport& r = run.report();
   const auto ms = r.used() > 0 ? 1e3 * r.processing_seconds / static_cast<double>(r.used()) : 0.0;
   std::printf("%llu frames read, %llu used, %llu contacts, %.2f ms a used frame\n",
               static_cast<unsigned long long>(r.images), static_cast<unsigned long long>(r.used()),
               static_cast<unsigned long long>(r.contacts), ms);
+  printWarning(std::cout, camera.concern);
+  printWarning(std::cout, frameConcern(r, topics));
   if (const auto calibration = run.detector().calibration())
-    if (const std::string words = concern(*calibration); !words.empty())
-      std::printf("warning: %s\n", words.c_str());
-  std::printf(
-      "results in %s: map.png, overlay.png, map.pgm, map.yaml, points.csv, obstacles.csv, "
-      "trajectory.csv, report.json\n",
-      out.c_str());
+    printWarning(std::cout, concern(*calibration));
 }
 
 void writePicture(const std::string& path, const cv::Mat& picture) {
@@ -105,8 +105,13 @@ class OverlayFrame {
     picture_.ensure(raw.width, raw.height);
     for (int v = 0; v < raw.height; ++v) std::copy_n(raw.row(v), raw.width, picture_.row(v));
   }
+  [[nodiscard]] bool empty() const { return picture_.empty(); }
+  /// Without a frame, the picture of an earlier run goes.
   void write(const std::string& path) const {
-    if (!picture_.empty()) writePicture(path, drawOverlay(picture_.view(), obstacles_));
+    if (empty())
+      std::filesystem::remove(path);
+    else
+      writePicture(path, drawOverlay(picture_.view(), obstacles_));
   }
 
  private:
@@ -114,11 +119,14 @@ class OverlayFrame {
   Image<std::uint8_t> picture_;
 };
 
-/// A film of the run: every N-th used frame, named after its number in the bag.
+/// A film of the run: every N-th used frame, named after its number in the bag. That of an earlier
+/// run goes.
 class OverlaySeries {
  public:
   OverlaySeries(const std::string& out, int every) : folder_(out + "/overlays"), every_(every) {
-    if (every_ > 0) std::filesystem::create_directories(folder_);
+    if (every_ == 0) return;
+    std::filesystem::create_directories(folder_);
+    removeEarlier();
   }
   void offer(const Obstacles& obstacles, GrayView raw) {
     if (every_ == 0 || used_++ % every_ != 0) return;
@@ -127,8 +135,18 @@ class OverlaySeries {
                   static_cast<unsigned long long>(obstacles.frame));
     writePicture(folder_ + name, drawOverlay(raw, obstacles));
   }
+  [[nodiscard]] bool empty() const { return every_ == 0 || used_ == 0; }
 
  private:
+  void removeEarlier() const {
+    static const std::regex named("[0-9]{6,}\\.png");
+    std::vector<std::filesystem::path> earlier;
+    for (const auto& file : std::filesystem::directory_iterator(folder_))
+      if (file.is_regular_file() && std::regex_match(file.path().filename().string(), named))
+        earlier.push_back(file.path());
+    for (const auto& path : earlier) std::filesystem::remove(path);
+  }
+
   std::string folder_;
   int every_, used_ = 0;
 };
@@ -173,7 +191,9 @@ class FpgaFiles {
       : model_(dynamic_cast<const FpgaDetector*>(&detector)),
         statistics_(a.options.parameters.fpga_clock),
         path_(a.out + "/fifo.bin") {
-    if (model_ != nullptr) fifo_.open(path_, std::ios::binary);
+    if (model_ == nullptr) return;
+    if (model_->cameraError()) throw BagError(*model_->cameraError());
+    fifo_.open(path_, std::ios::binary);
   }
   /// After every used frame.
   void add() {
@@ -196,6 +216,15 @@ class FpgaFiles {
   std::string path_;
   std::ofstream fifo_;
 };
+
+void listResults(const std::string& out, const OverlayFrame& overlay, const OverlaySeries& series,
+                 const FpgaFiles& fpga_files) {
+  std::printf(
+      "results in %s: map.png, %smap.pgm, map.yaml, points.csv, obstacles.csv, trajectory.csv, "
+      "%s%sreport.json\n",
+      out.c_str(), overlay.empty() ? "" : "overlay.png, ", series.empty() ? "" : "overlays/, ",
+      fpga_files.statistics() == nullptr ? "" : "fifo.bin, ");
+}
 
 void runOn(Arguments& a) {
   const BagSource bag(a.options.bag, a.options.topics);
@@ -223,7 +252,8 @@ void runOn(Arguments& a) {
   overlay.write(a.out + "/overlay.png");
   writeText(a.out + "/report.json",
             reportJson(run, bag, camera, a.options, a.profile, fpga_files.statistics()));
-  summarize(run, a.out);
+  summarize(run, camera, bag.topics());
+  listResults(a.out, overlay, series, fpga_files);
 }
 
 }  // namespace

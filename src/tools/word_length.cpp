@@ -11,6 +11,7 @@
 #include "ipm_mapping/detectors/word_length_study.hpp"
 #include "ipm_mapping/io/atomic_file.hpp"
 #include "ipm_mapping/ros/bag_arguments.hpp"
+#include "ipm_mapping/ros/frame_faults.hpp"
 #include "ipm_mapping/ros/offline_run.hpp"
 
 namespace {
@@ -112,6 +113,7 @@ class SpreadPairs {
 std::vector<OwnedPair> readPairs(const Arguments& a) {
   const BagSource bag(a.options.bag, a.options.topics);
   const RunCamera camera = resolveCamera(bag, a.options);
+  printWarning(std::cerr, camera.concern);
   FpgaDetector detector(a.options.parameters);
   OfflineRun run(bag, camera, a.options.parameters, detector);
   if (detector.cameraError()) throw BagError(*detector.cameraError());
@@ -121,7 +123,7 @@ std::vector<OwnedPair> readPairs(const Arguments& a) {
     kept.offer(detector, obstacles, raw);
   };
   run.run(observers);
-  if (kept.pairs().empty()) throw BagError("no frame of the bag could be used");
+  if (kept.pairs().empty()) throw BagError(frameConcern(run.report(), bag.topics()));
   return kept.pairs();
 }
 

@@ -10,6 +10,7 @@ import time
 import unittest
 
 import rospy
+from sensor_msgs.msg import Image
 
 COMMAND = ["rosrun", "ipm_mapping", "check_camera", "--live"]
 TOPICS = ["--image-topic", "/robot/image_raw", "--odom-topic", "/robot/odom"]
@@ -24,6 +25,7 @@ class LiveCheck(unittest.TestCase):
             rospy.set_param("/listening", True)
             text, _ = check.communicate(timeout=120)
             self.assertEqual(check.returncode, 0, text)
+            self.assertIn("stated_pose_from: command line\n", text)
             pitch = float(re.search(r"^pitch_deg: ([\d.]+)", text, re.MULTILINE).group(1))
             self.assertAlmostEqual(pitch, math.degrees(0.42), delta=0.3, msg=text)
             height = float(re.search(r"^height_m: ([\d.]+)", text, re.MULTILINE).group(1))
@@ -36,8 +38,23 @@ class LiveCheck(unittest.TestCase):
                                 stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                 universal_newlines=True, timeout=60)
         self.assertEqual(result.returncode, 3)
-        self.assertIn("no frame came", result.stderr)
+        self.assertIn("no frame came through in 2 s: no image on /nobody/image", result.stderr)
         self.assertLess(time.monotonic() - start, 40.0)
+
+    def test_images_without_odometry_name_both_topics(self):
+        images = rospy.Publisher("/lonely/image_raw", Image, queue_size=1)
+        def publish(_):
+            image = Image(height=48, width=64, encoding="mono8", step=64, data=bytes(48 * 64))
+            image.header.stamp, image.header.frame_id = rospy.Time.now(), "camera"
+            images.publish(image)
+        timer = rospy.Timer(rospy.Duration(0.1), publish)
+        result = subprocess.run(COMMAND + ["--seconds", "3", "--image-topic", "/lonely/image_raw",
+                                           "--odom-topic", "/nobody/odom"],
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                universal_newlines=True, timeout=60)
+        timer.shutdown()
+        self.assertEqual(result.returncode, 3)
+        self.assertIn("images on /lonely/image_raw, odometry expected on /nobody/odom", result.stderr)
 
 
 if __name__ == "__main__":

@@ -143,6 +143,13 @@ TEST(Parameters, SetChangesOneFieldByItsPath) {
         contains(errorOf([&] { parameters.set(unknown, "1"); }), "'" + std::string(unknown) + "'"));
 }
 
+TEST(Parameters, SetNamesTheParameterThatMayBeMeant) {
+  Parameters parameters;
+  EXPECT_EQ(errorOf([&] { parameters.set("sweep/publish_scor", "4"); }),
+            "there is no parameter 'sweep/publish_scor'; did you mean 'sweep/publish_score'?");
+  EXPECT_EQ(errorOf([&] { parameters.set("nonsense", "4"); }), "there is no parameter 'nonsense'");
+}
+
 // --- one value from text ---------------------------------------------------------------
 
 template <class T>
@@ -209,6 +216,21 @@ TEST(FieldText, DescribesTypeUnitRangeAndChoices) {
   describeFields(SourceParameters{}, [](const FieldText& field) {
     EXPECT_TRUE(field.type != "string" || field.range.empty()) << field.name;
   });
+}
+
+TEST(FieldText, RangesReadBackAsTheirFieldsType) {
+  Parameters parameters;
+  Parameters::groups(parameters, [](const char*, const auto& group) {
+    describeFields(group, [](const FieldText& field) {
+      if (field.type != "int") return;
+      const std::size_t dots = field.range.find(" ... ");
+      ASSERT_NE(dots, std::string::npos) << field.name;
+      EXPECT_NO_THROW(fromText<int>(field.range.substr(0, dots))) << field.name;
+      EXPECT_NO_THROW(fromText<int>(field.range.substr(dots + 5))) << field.name;
+    });
+  });
+  parameters.fpga_clock.frame_blanking = -1;
+  EXPECT_TRUE(contains(errorOf([&] { parameters.validate(); }), "0 ... 100000000"));
 }
 
 TEST(NodeParameters, DefaultsLieInTheirRanges) {

@@ -88,6 +88,18 @@ class CheckCamera(unittest.TestCase):
     def test_a_true_pose_is_left_alone(self):
         self.assertIn("the stated pose fits", self.check(0.0, 0.0))
 
+    def test_says_where_the_stated_pose_comes_from(self):
+        self.assertIn("stated_pose_from: command line\n", self.check(0.0, 0.0))
+        stated = ("--set", "camera/z=%g" % bags.CAMERA_HEIGHT, "--set", "camera/pitch=%g" % bags.PITCH)
+        text = self.run_it(self.bag, *stated).stdout
+        self.assertIn("stated_pose_from: parameters\n", text)
+        self.assertIn("warning: tf does not know 'camera' in 'base_footprint'", text)
+        known = os.path.join(self.folder.name, "known.bag")
+        bags.write_bag(known, info=True, frames=FRAMES, picture=textured_floor, tf=True)
+        text = self.run_it(known).stdout
+        self.assertIn("stated_pose_from: tf\n", text)
+        self.assertNotIn("warning: ", text)
+
     def test_writes_the_picture_where_it_is_told(self):
         out = os.path.join(self.folder.name, "made", "here")
         self.check(1.0, 0.0, "--out", out)
@@ -122,7 +134,9 @@ class CheckCamera(unittest.TestCase):
         self.refused(2, "--live")
         self.refused(2, "excludes", self.bag, "--live")
         self.refused(2, "--seconds", self.bag, "--seconds", "3")
+        self.refused(2, "--seconds: has to be a number above 0, not '0'", "--live", "--seconds", "0")
         self.refused(2, "no parameter 'calibration/x'", self.bag, "--set", "calibration/x=1")
+        self.refused(2, "camera/pitch = 24 rad", self.bag, "--camera-pose=0,0,0.4,24")
         self.refused(3, "cannot read bag", "/nowhere.bag")
         self.refused(3, "/front/image", self.bag, "--image-topic", "/front/image")
 

@@ -16,8 +16,10 @@ import unittest
 import numpy as np
 import rosbag
 import rospy
+from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import CameraInfo, Image
+from tf2_msgs.msg import TFMessage
 
 PROGRAM = sys.argv.pop(1)
 WIDTH, HEIGHT, FOCAL, CAMERA_HEIGHT, PITCH = 320, 240, 260.0, 0.4, 0.45
@@ -49,24 +51,40 @@ def floor_picture(x):
     return np.clip(np.nan_to_num(grey), 0, 255).astype(np.uint8)
 
 
+def camera_transform(time):
+    """The camera on the robot, as tf tells."""
+    transform = TransformStamped()
+    transform.header.stamp, transform.header.frame_id = time, "base_footprint"
+    transform.child_frame_id = "camera"
+    transform.transform.translation.z = CAMERA_HEIGHT
+    c, s = 0.5 * math.cos(0.5 * PITCH), 0.5 * math.sin(0.5 * PITCH)
+    q = transform.transform.rotation
+    q.x, q.y, q.z, q.w = -c - s, c + s, s - c, c - s
+    return transform
+
+
 def write_bag(path, images=True, odometry=True, info=False, encoding="mono8", frames=12, fx=FOCAL,
-              still=False, wheels=1.0, picture=floor_picture):
+              still=False, wheels=1.0, picture=floor_picture, clock=0.0, tf=False, frame="camera"):
     """A robot that drives at 0.25 m/s; 10 pictures a second, odometry at 50 Hz, whose wheels see
-    `wheels` times the way."""
+    `wheels` times the way and whose clock is `clock` seconds ahead."""
     with rosbag.Bag(path, "w") as bag:
+        if tf:
+            start = rospy.Time.from_sec(1000.0)
+            bag.write("/tf_static", TFMessage([camera_transform(start)]), start)
         for k in range(5 * frames - 2):
             t = rospy.Time.from_sec(1000.0 + 0.02 * k)
             x = 0.0 if still else 0.25 * 0.02 * k
             if odometry:
                 message = Odometry()
-                message.header.stamp, message.header.frame_id = t, "odom"
+                message.header.stamp = t + rospy.Duration.from_sec(clock)
+                message.header.frame_id = "odom"
                 message.child_frame_id = "base_footprint"
                 message.pose.pose.position.x = wheels * x
                 message.pose.pose.orientation.w = 1.0
                 bag.write("/odom", message, t)
             if images and k % 5 == 0:
                 image = Image(height=HEIGHT, width=WIDTH, encoding=encoding, step=WIDTH)
-                image.header.stamp, image.header.frame_id = t, "camera"
+                image.header.stamp, image.header.frame_id = t, frame
                 image.data = picture(x).tobytes()
                 bag.write("/camera/rgb/image_raw", image, t)
                 if info:
@@ -147,6 +165,88 @@ class OfflineMapper(unittest.TestCase):
         self.assertIn("lower than stated: change the pitch from 0.4238 to 0.4", warnings[0])
         self.assertEqual(told(PITCH - math.radians(1.5), "--set", "calibration/mode=apply"), [])
 
+    def results(self, *arguments):
+        """Warnings, and the files and folders that the tool says it wrote."""
+        return self.told_and_named(self.pose, *arguments)
+
+    def told_and_named(self, *arguments):
+        result = self.run_it(self.bag, "--out", self.out, *arguments)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        lines = result.stdout.splitlines()
+        head = "results in %s: " % self.out
+        named = [line[len(head):] for line in lines if line.startswith(head)]
+        self.assertEqual(len(named), 1, result.stdout)
+        return ([line[9:] for line in lines if line.startswith("warning: ")],
+                sorted(name.rstrip("/") for name in named[0].split(", ")))
+
+    def test_says_why_frames_were_dropped(self):
+        for faults, words in (
+                ({"wheels": math.nan}, ["none of 12 frames used", "does not reach", "(12)",
+                                        "refused messages on /odom: not finite, or with an "
+                                        "orientation that is no unit quaternion (58)"]),
+                ({"clock": 1000.0}, ["none of 12 frames used", "older than all odometry on /odom (12)"]),
+                ({"wheels": 1000.0}, ["none of 12 frames used", "jumps farther than odometry/max_speed"]),
+                ({"still": True}, ["none of 12 frames used", "the robot stands (11)"]),
+                ({"clock": 0.15}, ["2 of 12 frames dropped: image older than all odometry"])):
+            write_bag(self.bag, info=True, **faults)
+            warnings, _ = self.results()
+            self.assertEqual(len(warnings), 1, faults)
+            for each in words:
+                self.assertIn(each, warnings[0])
+        write_bag(self.bag, info=True)
+        self.assertEqual(self.results()[0], [])
+
+    def warnings(self, *arguments):
+        return self.told_and_named(*arguments)[0]
+
+    def test_says_that_tf_does_not_know_the_camera(self):
+        stated = ("--set", "camera/z=%g" % CAMERA_HEIGHT, "--set", "camera/pitch=%g" % PITCH)
+        write_bag(self.bag, info=True)
+        told = self.warnings(*stated)
+        self.assertEqual(len(told), 1, told)
+        self.assertIn("tf does not know 'camera' in 'base_footprint': the camera pose is taken from "
+                      "the parameters camera/x ... roll (0.05, 0, 0.4 m, pitch 0.45 rad)", told[0])
+        self.assertEqual(self.warnings(self.pose), [])
+        self.assertEqual(self.warnings(*stated, "--set", "camera/pose_from_tf=false"), [])
+        write_bag(self.bag, info=True, frame="")
+        self.assertIn("the images name no frame_id: the camera pose", self.warnings(*stated)[0])
+
+    def test_says_that_a_pose_set_by_hand_has_no_effect(self):
+        write_bag(self.bag, info=True, tf=True)
+        self.assertEqual(self.warnings(), [])
+        told = self.warnings("--set", "camera/pitch=0.3", "--set", "camera/roll=0.1",
+                             "--set", "camera/image_time_offset=0")
+        self.assertEqual(len(told), 1, told)
+        self.assertTrue(told[0].startswith("camera/pitch, camera/roll without effect"), told[0])
+        self.assertIn("camera/pose_from_tf=false", told[0])
+        self.assertEqual(self.warnings("--set", "camera/z=0.4", "--set", "camera/x=0", "--set",
+                                       "camera/pitch=0.45", "--set", "camera/pose_from_tf=false"), [])
+        write_bag(self.bag, info=True, tf=True, frame="/camera")
+        self.assertEqual(self.warnings(), [], "tf knows no slash")
+
+    def test_names_the_files_that_it_wrote_and_no_others(self):
+        write_bag(self.bag, info=True)
+        _, named = self.results("--fpga", "--overlays", "3")
+        self.assertEqual(named, sorted(os.listdir(self.out)))
+        os.remove(os.path.join(self.out, "fifo.bin"))
+        write_bag(self.bag, info=True, still=True)
+        _, named = self.results("--overlays", "3")
+        self.assertFalse({"overlay.png", "overlays", "fifo.bin"} & set(named), named)
+        left = set(os.listdir(self.out)) - {"overlays"}
+        self.assertEqual(named, sorted(left), "a picture of the run before would mislead")
+
+    def test_overlays_of_an_earlier_run_go_and_other_files_stay(self):
+        write_bag(self.bag, info=True)
+        folder = os.path.join(self.out, "overlays")
+        os.makedirs(folder)
+        for name in ("000999.png", "1000999.png", "my.png", "00999.png", "000999.png.txt"):
+            open(os.path.join(folder, name), "w", encoding="ascii").close()
+        self.results()
+        self.assertEqual(len(os.listdir(folder)), 5, "not asked for overlays")
+        self.results("--overlays", "1000")
+        kept = sorted(os.listdir(folder))
+        self.assertEqual(kept[1:], ["000999.png.txt", "00999.png", "my.png"])
+
     def test_overlays_of_every_third_used_frame(self):
         write_bag(self.bag, info=True)
         result = self.run_it(self.bag, "--out", self.out, self.pose, "--overlays", "3")
@@ -159,7 +259,9 @@ class OfflineMapper(unittest.TestCase):
         self.assertEqual(sorted(os.listdir(folder)), wanted)
         pictures = {open(os.path.join(folder, name), "rb").read() for name in wanted}
         self.assertEqual(len(pictures), len(wanted), "each shows a frame of its own")
-        self.refused(2, "--overlays", self.bag, "--out", self.out, "--overlays", "0")
+        for wrong in ("0", "-3", "x", "inf"):
+            self.refused(2, "--overlays: has to be a number above 0, not '%s'\n" % wrong, self.bag,
+                         "--out", self.out, "--overlays", wrong)
 
     def test_trajectory_has_every_frame_by_wheels_and_by_floor(self):
         write_bag(self.bag, info=True, frames=20)
@@ -233,6 +335,14 @@ class OfflineMapper(unittest.TestCase):
         self.refused(2, "map/resolution", self.bag, "--out", self.out, "--set", "map/resolution=-1")
         self.refused(2, "no parameter 'map/x'", self.bag, "--out", self.out, "--set", "map/x=1")
 
+    def test_a_camera_pose_that_no_robot_has_is_wrong_usage(self):
+        write_bag(self.bag, info=True)
+        for pose, words in (("0,0,0.4,24", "camera/pitch = 24 rad: allowed is -1.5 ... 1.5"),
+                            ("0,0,-0.3,0.2", "camera/z = -0.3 m: allowed is"),
+                            ("0,0,40,0.2", "camera/z = 40 m"), ("0,nan,0.4,0.2", "camera/y = nan")):
+            self.refused(2, "--camera-pose: " + words, self.bag, "--out", self.out,
+                         "--camera-pose=" + pose)
+
     def test_unreadable_inputs_exit_with_3_and_one_line(self):
         self.refused(3, "cannot read bag", "/nowhere.bag", "--out", self.out)
         with open(self.bag, "w", encoding="ascii") as file:
@@ -251,6 +361,13 @@ class OfflineMapper(unittest.TestCase):
         self.refused(3, "/front/image", self.bag, "--out", self.out, "--image-topic", "/front/image")
         self.refused(3, "--camera-info", self.bag, "--out", self.out, self.pose)
 
+    def large_calibration(self):
+        path = os.path.join(self.folder.name, "large.yaml")
+        with open(path, "w", encoding="ascii") as file:
+            file.write(CALIBRATION.replace("image_width: 320", "image_width: 640")
+                       .replace("image_height: 240", "image_height: 481"))
+        return path
+
     def test_bad_calibrations_and_pictures_are_named(self):
         write_bag(self.bag, info=True, fx=0.0)
         self.refused(3, "K[0]", self.bag, "--out", self.out, self.pose)
@@ -259,9 +376,10 @@ class OfflineMapper(unittest.TestCase):
         write_bag(self.bag, info=True)
         with open(self.calibration, "w", encoding="ascii") as file:
             file.write(CALIBRATION.replace("image_width: 320", "image_width: 640"))
+        self.refused(3, "image of 640 x 481: the datapath holds up to 640 x 480", self.bag, "--out",
+                     self.out, "--camera-info", self.large_calibration(), self.pose, "--fpga")
         self.refused(3, "calibrated size", self.bag, "--out", self.out, "--camera-info",
                      self.calibration, self.pose)
-        self.refused(3, "height", self.bag, "--out", self.out, "--camera-pose=0,0,-0.3,0.2")
 
 
 if __name__ == "__main__":

@@ -10,4 +10,8 @@ namespace ipm_mapping {
 [[nodiscard]] std::string nearestName(const std::string& word,
                                       const std::vector<std::string>& candidates);
 
+/// "; did you mean 'NEAREST'?", or nothing.
+[[nodiscard]] std::string didYouMean(const std::string& word,
+                                     const std::vector<std::string>& candidates);
+
 }  // namespace ipm_mapping

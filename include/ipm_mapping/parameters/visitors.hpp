@@ -59,6 +59,22 @@ std::string valueText(const T& value) {
     return value;
 }
 
+/// The bound of a field of type T.
+template <class T>
+std::string boundText(double bound) {
+  std::ostringstream out;
+  if constexpr (std::is_integral_v<T>)
+    out << std::llround(bound);
+  else
+    out << bound;
+  return out.str();
+}
+
+template <class T>
+std::string rangeText(Range range) {
+  return boundText<T>(range.lowest) + " ... " + boundText<T>(range.highest);
+}
+
 template <class T>
 std::string choices() {
   std::string all;
@@ -101,9 +117,8 @@ void describeFields(const Struct& parameters, Use&& use) {
     if constexpr (std::is_enum_v<T>) {
       text.range = parameter_detail::choices<T>();
     } else if constexpr (std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) {
-      std::ostringstream out;
-      out << range.lowest << " ... " << range.highest;
-      if (std::isfinite(range.lowest) || std::isfinite(range.highest)) text.range = out.str();
+      if (std::isfinite(range.lowest) || std::isfinite(range.highest))
+        text.range = parameter_detail::rangeText<T>(range);
     }
     use(text);
   });
@@ -146,7 +161,7 @@ void validateFields(const std::string& prefix, const Struct& parameters) {
                    if (range.contains(static_cast<double>(value))) return;
                    std::ostringstream out;
                    out << prefix << "/" << name << " = " << value << " " << unit.symbol
-                       << ": allowed is " << range.lowest << " ... " << range.highest;
+                       << ": allowed is " << parameter_detail::rangeText<T>(range);
                    throw ParameterError(out.str());
                  }
                });

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <iosfwd>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,12 @@ struct BagArguments {
   /// Turns the texts into options; throws ParameterError.
   void settle();
 };
+
+/// For options that take a number above 0.
+[[nodiscard]] CLI::Validator positiveNumber();
+
+/// One line; none without words.
+void printWarning(std::ostream& out, const std::string& words);
 
 /// main() of a tool: parses, settles, works; every failure becomes one line and an exit code.
 int runTool(CLI::App& app, const char* name, int argc, char** argv,

@@ -53,14 +53,15 @@ class BagSource {
   /// Pose of the camera that the bag's tf knows: from the child frame of odometry to the frame of
   /// the images. Nothing where tf does not connect them.
   [[nodiscard]] std::optional<CameraPose> cameraPose() const;
+  /// Frame of the images, child frame of odometry; empty where the messages name none.
+  [[nodiscard]] std::string frameOfImages() const;
+  [[nodiscard]] std::string baseFrame() const;
 
  private:
   void resolveTopics(const BagTopics& wanted);
   [[nodiscard]] std::string resolve(const std::string& wanted, const std::string& usual,
                                     const std::vector<std::string>& types, const char* what,
                                     const char* option) const;
-  [[nodiscard]] std::string frameOfImages() const;
-  [[nodiscard]] std::string baseFrame() const;
 
   std::string path_;
   mutable rosbag::Bag bag_;

@@ -14,6 +14,11 @@
 
 namespace ipm_mapping {
 
+/// Says that the pose which the parameters state is taken, and why tf's is not.
+[[nodiscard]] std::string statedPoseTaken(const CameraParameters& parameters,
+                                          const std::string& optical_frame,
+                                          const std::string& base_frame);
+
 /// Where calibration and camera pose come from: camera_info, else the calibration file; tf, else
 /// the parameters. Both first choices get some time before the second ones are taken.
 class CameraSource {
@@ -29,6 +34,8 @@ class CameraSource {
 
   [[nodiscard]] const CameraModel& model() const { return model_; }
   [[nodiscard]] const CameraPose& T_base_camera() const { return T_base_camera_; }
+  /// "tf" or "parameters".
+  [[nodiscard]] const char* poseSource() const;
   /// Another number means: model or pose changed.
   [[nodiscard]] int revision() const { return revision_; }
   /// What is missing, as a sentence.

@@ -49,6 +49,10 @@ class FrameSource {
   /// Subscribes, with an empty history.
   void start();
   void stop();
+  [[nodiscard]] std::string imageTopic() const { return images_.topic(); }
+  [[nodiscard]] std::string odometryTopic() const { return odometry_.topic(); }
+  /// Where the camera's pose came from: "tf" or "parameters".
+  [[nodiscard]] const char* poseSource() const { return camera_.poseSource(); }
 
  private:
   struct Waiting {

@@ -15,8 +15,8 @@ struct LiveOptions {
 
 /// Lets a detector see live topics, until the time is over or the user interrupts; topics, pose and
 /// parameters from `options` (its bag is not looked at). Throws BagError without a master or where
-/// no frame came through.
-void runLive(const std::string& node_name, const OfflineOptions& options, const LiveOptions& live,
-             Detector& detector);
+/// no frame came through. Returns where the camera's pose came from.
+std::string runLive(const std::string& node_name, const OfflineOptions& options,
+                    const LiveOptions& live, Detector& detector);
 
 }  // namespace ipm_mapping

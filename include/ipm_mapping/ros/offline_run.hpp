@@ -23,6 +23,7 @@ struct RunCamera {
   CameraPose T_base_camera = CameraPose::Identity();
   std::string calibration_source;
   std::string pose_source;
+  std::string concern;  ///< where the pose may not be the one that was meant; empty: nowhere
 };
 
 /// What to run on a bag.
@@ -32,6 +33,7 @@ struct OfflineOptions {
   std::string calibration_file;                      ///< overrides the bag's camera_info
   std::optional<std::array<double, 4>> camera_pose;  ///< x, y, z (m), pitch (rad): overrides tf
   Parameters parameters;
+  std::vector<std::string> pose_settings;  ///< those of camera/x ... roll that were set by hand
 };
 
 /// Calibration and pose from the options, else the bag, else the parameters; throws BagError.
