@@ -72,11 +72,8 @@ void StageMonitor::answered(FrameStatus status, const ros::Time& stamp,
 
 void StageMonitor::setConcern(const std::string& sentence) {
   concern_ = sentence;
-  if (sentence.empty()) return;
-  const ros::WallTime now = ros::WallTime::now();
-  if (!concern_said_.isZero() && (now - concern_said_).toSec() < repeat_concern_seconds) return;
-  concern_said_ = now;
-  ROS_WARN_STREAM(name_ << ": " << sentence);
+  if (!sentence.empty() && timeToSay("the concern", repeat_concern_seconds))
+    ROS_WARN_STREAM(name_ << ": " << sentence);
 }
 
 std::uint64_t StageMonitor::counter(const std::string& reason) const {
@@ -88,7 +85,7 @@ bool StageMonitor::timeToSay(const std::string& sentence, double repeat) {
   const ros::WallTime now = ros::WallTime::now();
   if (said_.size() > remembered_sentences) said_.clear();
   ros::WallTime& last = said_[sentence];
-  if (!last.isZero() && (now - last).toSec() < repeat) return false;
+  if ((now - last).toSec() < repeat) return false;
   last = now;
   return true;
 }

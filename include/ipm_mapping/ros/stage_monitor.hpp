@@ -71,7 +71,6 @@ class StageMonitor {
   std::map<std::string, std::uint64_t> counters_;
   std::map<std::string, double> values_;
   std::map<std::string, ros::WallTime> said_;
-  ros::WallTime concern_said_;
   Period period_;
   ros::WallTime period_start_ = ros::WallTime::now();
   bool asleep_ = false;
