@@ -165,9 +165,13 @@ FrameStatus SweepDetector::findReferences(const Frame& frame) {
     return FrameStatus::NoMotion;
   seen_any_ = true;
   last_used_ = pose;
-  for (const double baseline : {p.short_baseline, p.long_baseline}) {
+  const double near = p.short_baseline * grid_.height;
+  const double far = p.long_baseline > 0.0
+                         ? std::max(p.long_baseline * grid_.height, p.least_long_baseline)
+                         : 0.0;
+  for (const double baseline : {near, far}) {
     if (baseline <= 0.0) continue;
-    const RectifiedFrame* found = ring_.find(pose, frame.stamp, baseline * grid_.height);
+    const RectifiedFrame* found = ring_.find(pose, frame.stamp, baseline);
     if (found == nullptr || (reference_count_ > 0 && found == references_[0])) continue;
     references_[static_cast<std::size_t>(reference_count_++)] = found;
   }

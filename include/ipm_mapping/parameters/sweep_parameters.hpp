@@ -37,6 +37,7 @@ struct GridParameters {
 struct SweepReferenceParameters {
   double short_baseline = 0.333;
   double long_baseline = 0.667;
+  double least_long_baseline = 0.2;
   double max_rotation = 0.35;
   double max_age = 4.0;
   double min_motion = 0.002;
@@ -49,6 +50,9 @@ struct SweepReferenceParameters {
           "the newest frame at least this far back is the first reference");
     field("long_baseline", self.long_baseline, Unit{"camera heights"}, Range{0.0, 10.0},
           "the same for the second reference; 0: only one reference");
+    field("least_long_baseline", self.least_long_baseline, Unit{"m"}, Range{0.0, 10.0},
+          "the second reference is at least this far back however low the camera: how far away a "
+          "thing shows that it stands upright depends on this");
     field("max_rotation", self.max_rotation, Unit{"rad"}, Range{0.0, 3.2},
           "a reference that was turned further away is not used");
     field("max_age", self.max_age, Unit{"s"}, Range{0.0, 60.0},
