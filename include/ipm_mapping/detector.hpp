@@ -19,6 +19,7 @@ struct Frame {
   double stamp = 0.0;  ///< seconds
   GrayView image;      ///< raw mono8; only valid during the call
   SE2 T_odom_base;
+  Velocity velocity;  ///< at the stamp
 };
 
 /// What a detector did with a frame. Everything but Used is a reason to count.

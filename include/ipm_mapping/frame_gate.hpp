@@ -39,6 +39,7 @@ class FrameGate {
     Payload payload;
     double stamp = 0.0;
     SE2 T_odom_base;
+    Velocity velocity;
   };
 
   explicit FrameGate(const OdometryParameters& parameters = {}, std::size_t capacity = 32)
@@ -102,6 +103,7 @@ class FrameGate {
       released = std::move(waiting_.front().frame);
       waiting_.pop_front();
       released.T_odom_base = T_odom_base;
+      released.velocity = odometry_.velocity(released.stamp);
       if (answer == PoseAnswer::Known) return true;
       count(answer == PoseAnswer::NotYet   ? GateDrop::NoOdometry
             : answer == PoseAnswer::TooOld ? GateDrop::TooOld

@@ -110,6 +110,24 @@ PoseAnswer OdometryBuffer::at(double stamp, SE2& T_odom_base) const {
   return PoseAnswer::Known;
 }
 
+Velocity OdometryBuffer::velocity(double stamp) const {
+  constexpr double span = 0.05;
+  auto after = std::lower_bound(poses_.begin(), poses_.end(), stamp,
+                                [](const StampedPose& pose, double t) { return pose.stamp < t; });
+  if (after == poses_.end() || poses_.size() < 2) return {};
+  auto before = after == poses_.begin() ? after : after - 1;
+  while (after->stamp - before->stamp < span) {
+    const bool can_back = before != poses_.begin(), can_on = after + 1 != poses_.end();
+    if (!can_back && !can_on) break;
+    if (can_on && (!can_back || (after + 1)->stamp - stamp < stamp - (before - 1)->stamp)) ++after;
+    else --before;
+  }
+  const double seconds = after->stamp - before->stamp;
+  if (!(seconds > 0.0)) return {};
+  const Eigen::Vector3d v = logarithm(before->T_odom_base.inverse() * after->T_odom_base) / seconds;
+  return {v.x(), v.y(), v.z()};
+}
+
 std::optional<double> OdometryBuffer::newest() const {
   if (poses_.empty()) return std::nullopt;
   return poses_.back().stamp;

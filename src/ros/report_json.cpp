@@ -83,6 +83,7 @@ Json calibrationJson(const CalibrationReport& r) {
           {"odometry_scale", value(r.scale)},
           {"odometry_turn_scale", value(r.turn_scale)},
           {"odometry_yaw_rate_rad_s", value(r.yaw_rate)},
+          {"readout_s", value(r.readout)},
           {"advice", advice(r)}};
 }
 

@@ -22,7 +22,8 @@ void CameraCheck::setCamera(const CameraModel& camera, const CameraPose& T_base_
   lattice_.configure(grid_, rectification_.ranges());
   ring_.configure(grid_, parameters_.reference);
   calibration_.setCamera(T_base_camera);
-  calibration_.configure(grid_, rectification_.ranges(), CalibrationVector::Zero());
+  calibration_.configure(grid_, rectification_.ranges(), rectification_.readTimes(),
+                         CalibrationVector::Zero());
   current_.image.resize(grid_.rows, grid_.lines);
   view_ = {};
   stated_errors_.clear();
@@ -50,6 +51,7 @@ FrameStatus CameraCheck::process(const Frame& frame, Obstacles& obstacles) {
   rectification_.rectify(frame.image, current_.image.view());
   current_.mean.evaluate(lattice_, current_.image.view());
   current_.T_odom_base = frame.T_odom_base;
+  current_.velocity = frame.velocity;
   current_.stamp = frame.stamp;
   // A short drive may end before the estimate is confident: it has its picture all the same.
   const bool first_look = view_.picture.empty();

@@ -48,6 +48,7 @@ void CylindricalRectification::configure(const CameraModel& camera, const Camera
   ranges_.assign(static_cast<std::size_t>(grid.lines), RowRange{});
   offsets_.resize(grid.rows, grid.lines);
   weights_.resize(grid.rows, grid.lines);
+  read_times_.resize(grid.rows, grid.lines);
   smooth_.resize(camera.width(), camera.height());
   pairs_.resize(camera.width(), camera.height());
   for (int line = 0; line < grid.lines; ++line) compileLine(camera, T_base_camera, line);
@@ -69,6 +70,7 @@ void CylindricalRectification::compileLine(const CameraModel& camera,
     const int iu = static_cast<int>(u), iv = static_cast<int>(v);
     offsets_.at(row, line) = (iv * camera.width() + iu) * 2;
     weights_.at(row, line) = packedWeights(u - iu, v - iv);
+    read_times_.at(row, line) = static_cast<float>(v / (camera.height() - 1) - 0.5);
   }
 }
 

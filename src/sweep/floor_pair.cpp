@@ -18,9 +18,9 @@ constexpr double converged = 2e-5;  // radians, log height and metres
 constexpr int margin = 3;           // rows that a sample keeps from the edge of the view
 constexpr double certainty = 1e12;  // information of what shall not move
 
-/// Where the unknowns of a pixel's residual stand among all: pitch, roll, yaw, log height; then
-/// motion, sway, gain, offset.
-constexpr std::array<int, 11> place_of{0, 1, 2, 3, 7, 8, 9, 10, 11, 12, 13};
+/// Where the unknowns of a pixel's residual stand among all: pitch, roll, yaw, log height, then
+/// motion and sway, readout time, then gain and offset.
+constexpr std::array<int, 12> place_of{0, 1, 2, 3, 8, 9, 10, 11, 12, 7, 13, 14};
 
 }  // namespace
 
@@ -33,11 +33,13 @@ CalibrationInformation CalibrationInformation::certainly(const CalibrationVector
 }
 
 void FloorPair::configure(const PolarGrid& grid, const std::vector<RowRange>& rows,
-                          const StatedCamera& stated, const CalibrationVector& rectified_with,
+                          const Image<float>& read_times, const StatedCamera& stated,
+                          const CalibrationVector& rectified_with,
                           const CalibrationParameters& parameters,
                           const MotionRefinementParameters& noise) {
   grid_ = grid;
   rows_ = rows;
+  read_times_ = &read_times;
   stated_ = stated;
   rectified_with_ = rectified_with;
   parameters_ = parameters;
@@ -50,6 +52,23 @@ void FloorPair::configure(const PolarGrid& grid, const std::vector<RowRange>& ro
       points_.push_back({static_cast<float>(row), static_cast<float>(line), direction(row, line)});
   }
   deviations_.reserve(points_.size());
+}
+
+FloorWarp FloorPair::warp(const FramePair& pair, const CalibrationVector& state, const SE2& motion,
+                          const Eigen::Vector2d& sway) const {
+  const double readout = parameters_.readout_time + state[CalibrationIndex::ReadoutTime];
+  const ReadoutOfPair rolling{pair.current.velocity, pair.reference.velocity,
+                              readout - pair.current.readout, readout - pair.reference.readout};
+  return {grid_, stated_, state, rectified_with_, motion, sway, rolling};
+}
+
+/// When a row of the reference was read depends on the row, which hardly depends on that.
+bool FloorPair::place(const FloorWarp& floor, const FloorPoint& point,
+                      FloorWarp::Position& at) const {
+  const double here = readTime(point.row, point.line);
+  if (!floor(point.direction, at, {here, here}) || !inView(at)) return false;
+  if (!floor.rolling()) return true;
+  return floor(point.direction, at, {here, readTime(at.row, at.line)}) && inView(at);
 }
 
 bool FloorPair::inView(const FloorWarp::Position& at) const {
@@ -82,13 +101,13 @@ void FloorPair::PixelSums::addTo(Normal& normal, double information) const {
 }
 
 FloorPair::PixelSums FloorPair::addPixels(const FramePair& pair, const Guess& guess, double limit) {
-  const FloorWarp floor = warp(guess.state, guess.motion, guess.sway);
+  const FloorWarp floor = warp(pair, guess.state, guess.motion, guess.sway);
   const double gain = guess.photometric.gain, offset = guess.photometric.offset;
   PixelSums sums;
   deviations_.clear();
   for (const FloorPoint& point : points_) {
     FloorWarp::Position at;
-    if (!floor(point.direction, at) || !inView(at)) continue;
+    if (!place(floor, point, at)) continue;
     const GreyPatch patch = greyPatch(pair.reference.image, at.row, at.line);
     const auto row = static_cast<float>(at.row), line = static_cast<float>(at.line);
     const double r = patch.value - static_cast<double>(pair.reference.mean.at(row, line));

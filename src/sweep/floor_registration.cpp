@@ -50,7 +50,7 @@ std::vector<PatchSample> samplesOf(const FramePair& pair, const FloorPair& floor
       ++all;
       FloorWarp::Position at;
       if (!floor.rows()[static_cast<std::size_t>(line)].contains(row) ||
-          !warp(floor.direction(row, line), at) || !floor.inView(at))
+          !floor.place(warp, row, line, at))
         continue;
       samples.push_back(
           {highPassed(pair.current, pair.current.image.at(row, line), row, line), at.row, at.line});
@@ -103,7 +103,7 @@ std::vector<PatchShift> floorRegistration(const FramePair& pair, const FloorPair
                                           const PairEvidence& alignment, const CameraModel& camera,
                                           const CameraPose& T_base_rectified) {
   const PolarGrid& grid = floor.grid();
-  const FloorWarp warp = floor.warp(alignment.state, alignment.motion, alignment.sway);
+  const FloorWarp warp = floor.warp(pair, alignment.state, alignment.motion, alignment.sway);
   const auto pixelAt = [&](double row, double line) {
     Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
     (void)rawPixel(camera, T_base_rectified, grid.azimuth(line), grid.r(row), pixel.x(), pixel.y());

@@ -20,7 +20,8 @@ CalibrationVector swayed(const Eigen::Vector2d& sway) {
 
 FloorWarp::FloorWarp(const PolarGrid& grid, const StatedCamera& stated,
                      const CalibrationVector& state, const CalibrationVector& rectified_with,
-                     const SE2& motion, const Eigen::Vector2d& sway)
+                     const SE2& motion, const Eigen::Vector2d& sway,
+                     const ReadoutOfPair& readout)
     : grid_(grid),
       tilt_(stated.tilt(state)),
       turning_(stated.turning(state)),
@@ -28,20 +29,40 @@ FloorWarp::FloorWarp(const PolarGrid& grid, const StatedCamera& stated,
       grid_from_true_(stated.tilt(rectified_with) *
                       (stated.tilt(swayed(sway)) * tilt_).transpose()),
       foot_(stated.foot),
-      height_(stated.height * std::exp(state[CalibrationIndex::LogHeight])) {
-  const FootMotion foot_motion(motion, foot_);
-  c_ = foot_motion.c;
-  s_ = foot_motion.s;
-  tx_ = foot_motion.tx;
-  ty_ = foot_motion.ty;
+      height_(stated.height * std::exp(state[CalibrationIndex::LogHeight])),
+      motion_(motion),
+      c_(std::cos(motion.theta)),
+      s_(std::sin(motion.theta)),
+      readout_(readout) {}
+
+/// The motion between the places from which the two rows were read.
+void FloorWarp::moveBetweenRows(const ReadTimes& times, Position& at) const {
+  const Velocity &vc = readout_.current, &vr = readout_.reference;
+  const double tc = times.current * readout_.current_seconds;
+  const double tr = times.reference * readout_.reference_seconds;
+  const auto way = [&](double current, double reference) {
+    return Eigen::Vector3d(
+        current * (c_ * vc.x - s_ * vc.y) - reference * (vr.x - vr.theta * motion_.y),
+        current * (s_ * vc.x + c_ * vc.y) - reference * (vr.y + vr.theta * motion_.x),
+        current * vc.theta - reference * vr.theta);
+  };
+  const Eigen::Vector3d d = way(tc, tr);
+  at.by_readout = way(times.current, times.reference);
+  const FootMotion between({motion_.x + d.x(), motion_.y + d.y(), motion_.theta + d.z()}, foot_);
+  at.c = between.c;
+  at.s = between.s;
+  at.tx = between.tx;
+  at.ty = between.ty;
 }
 
-bool FloorWarp::operator()(const Eigen::Vector3d& direction, Position& at) const {
+bool FloorWarp::operator()(const Eigen::Vector3d& direction, Position& at,
+                           const ReadTimes& times) const {
+  moveBetweenRows(times, at);
   at.n = tilt_ * direction;
   if (!(at.n.z() < -least_depression)) return false;
   const double scale = -height_ / at.n.z();
-  at.v = {scale * (c_ * at.n.x() - s_ * at.n.y()) + tx_,
-          scale * (s_ * at.n.x() + c_ * at.n.y()) + ty_, -height_};
+  at.v = {scale * (at.c * at.n.x() - at.s * at.n.y()) + at.tx,
+          scale * (at.s * at.n.x() + at.c * at.n.y()) + at.ty, -height_};
   at.g = grid_from_true_ * at.v;
   const double across2 = at.g.head<2>().squaredNorm();
   if (!(at.g.z() < 0.0) || across2 == 0.0) return false;
@@ -60,13 +81,14 @@ FloorWarp::Slopes FloorWarp::slopes(const Position& at) const {
     const Eigen::Vector3d w = turning_.col(k), dn = w.cross(at.n), back = w.cross(at.v);
     const double dx = scale * dn.x() - px * dn.z() / at.n.z();
     const double dy = scale * dn.y() - py * dn.z() / at.n.z();
-    dv.col(k) = Eigen::Vector3d(c_ * dx - s_ * dy, s_ * dx + c_ * dy, 0.0) - back;
+    dv.col(k) = Eigen::Vector3d(at.c * dx - at.s * dy, at.s * dx + at.c * dy, 0.0) - back;
     if (k < 2) dv.col(SwayPitch + k) = -axes_.col(k).cross(at.v);
   }
   const double X = foot_.x() + px, Y = foot_.y() + py;
-  dv.col(LogHeight) << at.v.x() - tx_, at.v.y() - ty_, -height_;
+  dv.col(LogHeight) << at.v.x() - at.tx, at.v.y() - at.ty, -height_;
   dv.block<3, 2>(0, LogHeight + 1) << 1, 0, 0, 1, 0, 0;
-  dv.col(Theta) << -s_ * X - c_ * Y, c_ * X - s_ * Y, 0;
+  dv.col(Theta) << -at.s * X - at.c * Y, at.c * X - at.s * Y, 0;
+  dv.col(ReadoutTime) = dv.middleCols<3>(FloorWarp::X) * at.by_readout;
   const Eigen::Matrix<double, 3, count> dg = grid_from_true_ * dv;
   const Eigen::Vector2d g = at.g.head<2>();
   const double across2 = g.squaredNorm();

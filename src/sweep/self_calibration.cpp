@@ -16,7 +16,7 @@ void SelfCalibration::setCamera(const CameraPose& T_base_camera) {
   const CalibrationParameters& p = parameters_;
   CalibrationVector sd;
   sd << p.sd_pitch, p.sd_roll, p.sd_yaw, p.sd_height_wrong / stated_.height, p.sd_scale,
-      p.sd_turn_scale, p.sd_yaw_rate;
+      p.sd_turn_scale, p.sd_yaw_rate, p.sd_readout;
   prior_.information = sd.cwiseAbs2().cwiseInverse().asDiagonal();
   sd[I::LogHeight] = p.sd_height / stated_.height;
   prior_right_height_.information = sd.cwiseAbs2().cwiseInverse().asDiagonal();
@@ -32,16 +32,18 @@ void SelfCalibration::forget() {
 bool SelfCalibration::adopt(const SelfCalibration& other) {
   if (T_base_camera_.matrix() != other.T_base_camera_.matrix() ||
       prior_.information != other.prior_.information ||
-      prior_right_height_.information != other.prior_right_height_.information)
+      prior_right_height_.information != other.prior_right_height_.information ||
+      parameters_.readout_time != other.parameters_.readout_time)
     return false;
   learnt_ = other.learnt_;
   return bounded();
 }
 
 void SelfCalibration::configure(const PolarGrid& grid, const std::vector<RowRange>& rows,
+                                const Image<float>& read_times,
                                 const CalibrationVector& rectified_with) {
   rectified_with_ = rectified_with;
-  pair_.configure(grid, rows, stated_, rectified_with, parameters_, noise_);
+  pair_.configure(grid, rows, read_times, stated_, rectified_with, parameters_, noise_);
 }
 
 /// Short while the views would not overlap under the pitch that is possible, and never more than
@@ -52,12 +54,17 @@ double SelfCalibration::baseline() const {
   return stated_.height * std::clamp(p.short_baseline * share, p.short_baseline, p.long_baseline);
 }
 
-bool SelfCalibration::due(const SE2& pose) const {
+/// A turn shows what is not known yet about the readout, and may soon be over.
+bool SelfCalibration::due(const RectifiedFrame& current) const {
   if (!seen_any_) return true;
   const CalibrationParameters& p = parameters_;
-  const double spacing = confident() && !learnt_.height_in_doubt
+  const bool telling = parameters_.learn_readout && std::abs(current.velocity.theta) > p.readout_turn &&
+                       sigma(I::ReadoutTime) > p.apply_readout;
+  const double spacing = telling ? stated_.height * p.short_baseline
+                         : confident() && !learnt_.height_in_doubt
                              ? stated_.height * p.settled_spacing
                              : std::min(baseline(), stated_.height * p.spacing);
+  const SE2& pose = current.T_odom_base;
   return std::hypot(pose.x - last_pair_.x, pose.y - last_pair_.y) >= spacing;
 }
 
@@ -67,7 +74,7 @@ CalibrationInformation SelfCalibration::known() const {
 }
 
 bool SelfCalibration::offer(const RectifiedFrame& current, const ReferenceRing& ring) {
-  if (!due(current.T_odom_base)) return false;
+  if (!due(current)) return false;
   reference_ = ring.find(current.T_odom_base, current.stamp, baseline());
   if (reference_ == nullptr) return false;
   seen_any_ = true;
@@ -158,6 +165,13 @@ bool SelfCalibration::worthApplying() const {
          stated_.height * change[I::LogHeight] > std::max(p.apply_height, height);
 }
 
+bool SelfCalibration::readoutDiffers(double in_force) const {
+  const double change = std::abs(readout() - in_force);
+  return learnt_.pairs > 0 &&
+         change > std::max(parameters_.apply_readout,
+                           parameters_.readout_sigmas * sigma(I::ReadoutTime));
+}
+
 Sway SelfCalibration::remainingTilt() const {
   if (learnt_.pairs == 0) return {};
   const Eigen::Vector3d tilt = stated_.axes * (learnt_.state - rectified_with_).head<3>();
@@ -177,6 +191,7 @@ CalibrationReport SelfCalibration::report() const {
   r.scale = {1.0, scale, scale * sigma(I::LogScale)};
   r.turn_scale = {1.0, 1.0 + learnt_.state[I::TurnScale], sigma(I::TurnScale)};
   r.yaw_rate = {0.0, learnt_.state[I::YawRate], sigma(I::YawRate)};
+  r.readout = {parameters_.readout_time, readout(), sigma(I::ReadoutTime)};
   r.ratio_sigma = ratioSigma();
   r.pairs = learnt_.pairs;
   r.believable = believable();

@@ -1,4 +1,6 @@
 // Self-calibration inside the detector: learnt beside the frames, applied between them.
+#include <cmath>
+
 #include "ipm_mapping/sweep/sweep_detector.hpp"
 
 namespace ipm_mapping::sweep {
@@ -19,7 +21,23 @@ void SweepDetector::applyCalibration() {
 
 void SweepDetector::rectifyWith(const CalibrationVector& correction) {
   configure(corrected(T_base_stated_, correction));
-  calibration_.configure(grid_, rectification_.ranges(), correction);
+  calibration_.configure(grid_, shutter_.rows(), rectification_.readTimes(), correction);
+}
+
+/// What the view has to spare at its sides; in steps, so that it is rarely compiled anew.
+double SweepDetector::longestReadout() const {
+  constexpr double step = 0.015;
+  return step * std::ceil(std::abs(readout_) / step);
+}
+
+/// A readout time changes nothing about where things are said to be: it is always put into force.
+/// Frames of before keep what was undone in them.
+void SweepDetector::applyReadout() {
+  if (!learn_readout_ || !calibration_.readoutDiffers(readout_)) return;
+  readout_ = calibration_.readout();
+  if (longestReadout() == shutter_.longest()) return;
+  rectifyWith(calibration_.inForce());
+  ring_.clear();
 }
 
 /// What stands below the view is remembered by the floor's own motion, which therefore goes on.
@@ -28,7 +46,9 @@ bool SweepDetector::adopt(const Detector& before) {
   if (other == nullptr || other->camera_.width() == 0) return false;
   setCamera(other->camera_, other->T_base_stated_);
   const CalibrationVector& in_force = other->calibration_.inForce();
-  if (calibration_.adopt(other->calibration_) && calibration_mode_ == CalibrationMode::Apply &&
+  const bool same = calibration_.adopt(other->calibration_);
+  if (same && learn_readout_) readout_ = other->readout_;
+  if (same && calibration_mode_ == CalibrationMode::Apply &&
       !in_force.isZero())
     rectifyWith(in_force);
   free_floor_.adopt(other->free_floor_);

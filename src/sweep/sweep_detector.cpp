@@ -22,6 +22,9 @@ SweepDetector::SweepDetector(const SweepParameters& parameters,
                              const CalibrationParameters& calibration)
     : parameters_(parameters),
       calibration_mode_(calibration.mode),
+      learn_readout_(calibration.learn_readout && calibration.mode != CalibrationMode::Off),
+      readout_stated_(calibration.readout_time),
+      readout_(calibration.readout_time),
       calibration_(calibration, parameters.refinement) {
   times_.reserve(expected_stages);
 }
@@ -30,6 +33,7 @@ void SweepDetector::setCamera(const CameraModel& camera, const CameraPose& T_bas
   camera_ = camera;
   T_base_stated_ = T_base_camera;
   calibration_.setCamera(T_base_camera);
+  readout_ = readout_stated_;
   rectifyWith(CalibrationVector::Zero());
   reset();
 }
@@ -41,7 +45,9 @@ void SweepDetector::configure(const CameraPose& T_base_camera) {
   max_range_ = effectiveMaxRange(camera_, T_base_camera, parameters_.grid.max_range);
   grid_ = makePolarGrid(camera_, T_base_camera, parameters_.grid, max_range_);
   rectification_.configure(camera_, T_base_camera, grid_);
-  const std::vector<RowRange>& rows = rectification_.ranges();
+  shutter_.configure(rectification_, foot, longestReadout());
+  rolled_.resize(grid_.rows, grid_.lines);
+  const std::vector<RowRange>& rows = shutter_.rows();
   noise_.configure(grid_, rows, parameters_.noise);
   lattice_.configure(grid_, rows);
   refinement_.configure(grid_, rows, foot, parameters_.refinement);
@@ -90,6 +96,17 @@ void SweepDetector::reset() {
   seen_any_ = false;
 }
 
+void SweepDetector::rectify(const Frame& frame) {
+  current_.velocity = frame.velocity;
+  current_.readout = readout_;
+  if (!shutter_.matters(frame.velocity, readout_)) {
+    rectification_.rectify(frame.image, current_.image.view());
+    return;
+  }
+  rectification_.rectify(frame.image, rolled_.view());
+  shutter_.undo(frame.velocity, readout_, rolled_, current_.image);
+}
+
 void SweepDetector::lap(const char* stage) {
   const double t = now();
   times_.push_back({stage, t - lap_start_});
@@ -104,7 +121,7 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
     return FrameStatus::SizeMismatch;
   if (grid_.lines == 0 || sweep_.beams() == 0) return FrameStatus::GeometryUnusable;
   lap_start_ = now();
-  rectification_.rectify(frame.image, current_.image.view());
+  rectify(frame);
   current_.mean.evaluate(lattice_, current_.image.view());
   current_.T_floor_base = T_floor_last_ * (T_odom_last_.inverse() * frame.T_odom_base);
   current_.T_odom_base = frame.T_odom_base;
@@ -137,6 +154,7 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
   learnCalibration();
   kept_ = ring_.offer(current_);
   applyCalibration();
+  applyReadout();
   return status;
 }
 

@@ -104,6 +104,8 @@ void printReport(const CalibrationReport& r, const sweep::CameraCheck& check) {
   std::printf("odometry_turn_scale: %.4f +- %.4f\n", r.turn_scale.estimate, r.turn_scale.sigma);
   std::printf("odometry_yaw_rate_deg_s: %.3f +- %.3f (true over odometry's)\n",
               degrees * r.yaw_rate.estimate, degrees * r.yaw_rate.sigma);
+  std::printf("readout_ms: %.1f +- %.1f (stated %.1f; a rolling shutter)\n",
+              1000.0 * r.readout.estimate, 1000.0 * r.readout.sigma, 1000.0 * r.readout.stated);
   std::printf(
       "registration_px: %.2f as stated, %.2f as estimated (median of %zu and %zu patches)\n",
       median(check.statedErrors()), median(check.estimatedErrors()), check.statedErrors().size(),

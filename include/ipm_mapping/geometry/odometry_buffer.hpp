@@ -35,6 +35,8 @@ class OdometryBuffer {
   OdometryVerdict add(double stamp, const SE2& T_odom_base);
   /// Pose at `stamp` into `T_odom_base` when the answer is Known.
   PoseAnswer at(double stamp, SE2& T_odom_base) const;
+  /// Mean velocity over the messages around `stamp`, of which at() knows the pose.
+  [[nodiscard]] Velocity velocity(double stamp) const;
   void clear();
 
   [[nodiscard]] bool empty() const { return poses_.empty(); }

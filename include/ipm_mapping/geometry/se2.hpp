@@ -43,6 +43,15 @@ struct SE2 {
   }
 };
 
+/// Of the robot in its own axes: metres and radians per second.
+struct Velocity {
+  double x = 0.0;
+  double y = 0.0;
+  double theta = 0.0;
+
+  [[nodiscard]] bool moving() const { return x != 0.0 || y != 0.0 || theta != 0.0; }
+};
+
 /// Pose on the straight line from `a` (at 0) to `b` (at 1), heading turned the short way round.
 [[nodiscard]] inline SE2 interpolate(const SE2& a, const SE2& b, double t) {
   return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y),

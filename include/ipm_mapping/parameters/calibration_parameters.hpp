@@ -13,6 +13,8 @@ inline constexpr std::array<const char*, 3> enum_names<CalibrationMode>{"off", "
 /// Self-calibration of the vertical sweep, and of check_camera.
 struct CalibrationParameters {
   CalibrationMode mode = CalibrationMode::Report;
+  double readout_time = 0.0;
+  bool learn_readout = true;
   double sd_pitch = 0.035;
   double sd_roll = 0.01;
   double sd_yaw = 0.005;
@@ -21,6 +23,7 @@ struct CalibrationParameters {
   double sd_scale = 0.02;
   double sd_turn_scale = 0.02;
   double sd_yaw_rate = 0.01;
+  double sd_readout = 0.02;
   double sd_sway = 0.001;
   double sd_forward = 0.02;
   double sd_sideways = 0.003;
@@ -29,6 +32,7 @@ struct CalibrationParameters {
   double max_height = 0.12;
   double spacing = 0.333;
   double settled_spacing = 1.5;
+  double readout_turn = 0.15;
   double short_baseline = 0.15;
   double long_baseline = 0.667;
   double farthest = 4.5;
@@ -45,6 +49,8 @@ struct CalibrationParameters {
   double early_sigmas = 3.0;
   double apply_tilt = 0.001;
   double apply_height = 0.002;
+  double apply_readout = 0.002;
+  double readout_sigmas = 2.0;
   double warn_tilt = 0.0052;
   double warn_height = 0.01;
   double warn_sigmas = 3.0;
@@ -55,6 +61,13 @@ struct CalibrationParameters {
         "mode", self.mode,
         "off; report: estimates on /diagnostics beside the stated pose; apply: the detector works "
         "with the estimated pose and odometry");
+    field("readout_time", self.readout_time, Unit{"s"}, Range{-0.1, 0.1},
+          "how long the camera takes to read an image, first row to last, as far as it is known: a "
+          "rolling shutter shears what is seen while the robot turns; 0: all rows at once; "
+          "negative: the image was turned upside down");
+    field("learn_readout", self.learn_readout,
+          "find out how long it takes, unless mode is off, and work with that; false: with "
+          "readout_time as it is stated");
     expectations(self, field);
     pairs(self, field);
     verdicts(self, field);
@@ -81,6 +94,8 @@ struct CalibrationParameters {
           "odometry's heading error expected per radian turned");
     field("sd_yaw_rate", self.sd_yaw_rate, Unit{"rad/s"}, Range{1e-6, 0.5},
           "odometry's heading error expected per second");
+    field("sd_readout", self.sd_readout, Unit{"s"}, Range{1e-6, 0.1},
+          "how far off the stated readout_time is expected to be");
     field("sd_sway", self.sd_sway, Unit{"rad"}, Range{1e-6, 0.1},
           "how much pitch and roll of the robot differ from frame to frame");
     field("sd_forward", self.sd_forward, Unit{"m/m"}, Range{1e-6, 1.0},
@@ -99,6 +114,9 @@ struct CalibrationParameters {
           "way from one compared pair of frames to the next");
     field("settled_spacing", self.settled_spacing, Unit{"camera heights"}, Range{0.01, 100.0},
           "the same once the estimate is confident and the height no longer in doubt");
+    field("readout_turn", self.readout_turn, Unit{"rad/s"}, Range{0.0, 10.0},
+          "pairs follow one another after short_baseline while the robot turns faster and the "
+          "readout time is not known well");
     field("short_baseline", self.short_baseline, Unit{"camera heights"}, Range{0.01, 10.0},
           "way between the two frames of a pair while little is known");
     field("long_baseline", self.long_baseline, Unit{"camera heights"}, Range{0.01, 10.0},
@@ -133,6 +151,10 @@ struct CalibrationParameters {
           "in either case it has to differ this much from the pitch or roll in force");
     field("apply_height", self.apply_height, Unit{"m"}, Range{0.0, 0.5},
           "or this much from the height in force");
+    field("apply_readout", self.apply_readout, Unit{"s"}, Range{0.0, 0.1},
+          "another readout time comes into force where it differs by more");
+    field("readout_sigmas", self.readout_sigmas, Unit{"sigma"}, Range{0.0, 100.0},
+          "and by so much");
     field("warn_tilt", self.warn_tilt, Unit{"rad"}, Range{0.0, 0.5},
           "diagnostics warn when the stated pitch or roll is off by more, and by warn_sigmas");
     field("warn_height", self.warn_height, Unit{"m"}, Range{0.0, 1.0}, "the same of the height");

@@ -41,6 +41,9 @@ class CylindricalRectification {
   /// Rows of a line that are in view.
   [[nodiscard]] RowRange rows(int line) const { return ranges_[static_cast<std::size_t>(line)]; }
   [[nodiscard]] const std::vector<RowRange>& ranges() const { return ranges_; }
+  /// When the pixel that shows a place of the grid is read, as a share of the readout: -0.5 the
+  /// first row of the image, 0 the middle one, 0.5 the last. Of places in view; stored as images.
+  [[nodiscard]] const Image<float>& readTimes() const { return read_times_; }
 
  private:
   void compileLine(const CameraModel& camera, const CameraPose& T_base_camera, int line);
@@ -49,6 +52,7 @@ class CylindricalRectification {
   std::vector<RowRange> ranges_;
   Image<std::int32_t> offsets_;   // of the upper left neighbour in the pair image, bytes
   Image<std::uint32_t> weights_;  // of the four neighbours, one byte each, sum 128
+  Image<float> read_times_;
   Image<std::uint8_t> smooth_;    // B
   Image<std::uint16_t> pairs_;    // B(u, v) | B(u, v + 1) << 8
 };

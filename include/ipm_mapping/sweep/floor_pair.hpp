@@ -52,9 +52,11 @@ struct PairEvidence {
 /// then eliminates all but the state (Schur complement).
 class FloorPair {
  public:
-  /// `rectified_with`: the correction that the grid's pose has over the stated one.
+  /// `rectified_with`: the correction that the grid's pose has over the stated one; `read_times`:
+  /// CylindricalRectification's, they have to stay.
   void configure(const PolarGrid& grid, const std::vector<RowRange>& rows,
-                 const StatedCamera& stated, const CalibrationVector& rectified_with,
+                 const Image<float>& read_times, const StatedCamera& stated,
+                 const CalibrationVector& rectified_with,
                  const CalibrationParameters& parameters, const MotionRefinementParameters& noise);
 
   /// `known` about the state; `start`: where the search begins.
@@ -66,9 +68,13 @@ class FloorPair {
   /// The farthest row that takes part.
   [[nodiscard]] int firstRow() const { return first_row_; }
   /// From the current view to the reference's.
-  [[nodiscard]] FloorWarp warp(const CalibrationVector& state, const SE2& motion,
-                               const Eigen::Vector2d& sway) const {
-    return {grid_, stated_, state, rectified_with_, motion, sway};
+  [[nodiscard]] FloorWarp warp(const FramePair& pair, const CalibrationVector& state,
+                               const SE2& motion, const Eigen::Vector2d& sway) const;
+  /// Where the floor at a place of the current view is seen; false where the reference does not.
+  [[nodiscard]] bool place(const FloorWarp& floor, double row, double line,
+                           FloorWarp::Position& at) const {
+    return place(floor, {static_cast<float>(row), static_cast<float>(line), direction(row, line)},
+                 at);
   }
   /// A position whose four neighbours the reference sees.
   [[nodiscard]] bool inView(const FloorWarp::Position& position) const;
@@ -90,6 +96,11 @@ class FloorPair {
     float row, line;
     Eigen::Vector3d direction;
   };
+  bool place(const FloorWarp& floor, const FloorPoint& point, FloorWarp::Position& at) const;
+  [[nodiscard]] double readTime(double row, double line) const {
+    return static_cast<double>(
+        read_times_->at(static_cast<int>(row + 0.5), static_cast<int>(line + 0.5)));
+  }
   struct Guess {
     CalibrationVector state;
     SE2 motion;
@@ -120,6 +131,7 @@ class FloorPair {
 
   PolarGrid grid_;
   std::vector<RowRange> rows_;
+  const Image<float>* read_times_ = nullptr;
   StatedCamera stated_;
   CalibrationVector rectified_with_ = CalibrationVector::Zero();
   CalibrationParameters parameters_;

@@ -21,6 +21,8 @@ struct RectifiedFrame {
   Image<std::uint8_t> image;  ///< rows x lines of the polar grid
   LocalMean mean;
   SE2 T_odom_base;
+  Velocity velocity;     ///< of the robot at the stamp
+  double readout = 0.0;  ///< seconds: the rolling shutter that has been undone
   SE2 T_floor_base;  ///< the same by chaining refined motions
   double stamp = 0.0;
 };

@@ -30,7 +30,7 @@ class SelfCalibration {
   /// How frames are rectified from now on: with corrected(stated pose, rectified_with). What was
   /// learnt stays.
   void configure(const PolarGrid& grid, const std::vector<RowRange>& rows,
-                 const CalibrationVector& rectified_with);
+                 const Image<float>& read_times, const CalibrationVector& rectified_with);
   /// Poses or clock jumped: what was learnt stays.
   void reset() { seen_any_ = false; }
 
@@ -54,6 +54,12 @@ class SelfCalibration {
   /// How the camera's true attitude differs from the one in force, as far as is known; none before
   /// the first pair.
   [[nodiscard]] Sway remainingTilt() const;
+  /// How long the camera takes to read an image, as far as is known, seconds.
+  [[nodiscard]] double readout() const {
+    return parameters_.readout_time + learnt_.state[CalibrationIndex::ReadoutTime];
+  }
+  /// That is surely and usefully another than the one in force.
+  [[nodiscard]] bool readoutDiffers(double in_force) const;
   /// The correction that frames are rectified with.
   [[nodiscard]] const CalibrationVector& inForce() const { return rectified_with_; }
   /// Beside the stated pose.
@@ -77,7 +83,7 @@ class SelfCalibration {
 
   [[nodiscard]] double baseline() const;
   [[nodiscard]] bool bounded() const;
-  [[nodiscard]] bool due(const SE2& T_odom_base) const;
+  [[nodiscard]] bool due(const RectifiedFrame& current) const;
   [[nodiscard]] CalibrationInformation known() const;
   void judgeHeight(const CalibrationInformation& known);
   void compare(const FramePair& pair);

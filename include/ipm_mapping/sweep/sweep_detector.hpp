@@ -19,6 +19,7 @@
 #include "ipm_mapping/sweep/plain_edge.hpp"
 #include "ipm_mapping/sweep/reference_ring.hpp"
 #include "ipm_mapping/sweep/remembered_foot.hpp"
+#include "ipm_mapping/sweep/rolling_shutter.hpp"
 #include "ipm_mapping/sweep/self_calibration.hpp"
 #include "ipm_mapping/sweep/specular_cost.hpp"
 #include "ipm_mapping/sweep/straight_foot.hpp"
@@ -72,7 +73,10 @@ class SweepDetector : public Detector {
 
   void rectifyWith(const CalibrationVector& correction);
   void configure(const CameraPose& T_base_camera);
+  void rectify(const Frame& frame);
   void learnCalibration();
+  void applyReadout();
+  [[nodiscard]] double longestReadout() const;
   void applyCalibration();
   [[nodiscard]] SE2 expectedMotion(const RectifiedFrame& reference) const;
   FrameStatus findReferences(const Frame& frame);
@@ -103,6 +107,9 @@ class SweepDetector : public Detector {
 
   SweepParameters parameters_;
   CalibrationMode calibration_mode_;
+  bool learn_readout_;
+  double readout_stated_;
+  double readout_;  ///< in force, seconds
   SelfCalibration calibration_;
   CameraModel camera_;
   CameraPose T_base_stated_ = CameraPose::Identity();
@@ -110,6 +117,8 @@ class SweepDetector : public Detector {
   double max_range_ = 0.0;
   PolarGrid grid_;
   CylindricalRectification rectification_;
+  RollingShutter shutter_;
+  Image<std::uint8_t> rolled_;  // as the shutter left it
   NoiseModel noise_;
   MotionRefinement refinement_;
   SwayCorrection sway_;

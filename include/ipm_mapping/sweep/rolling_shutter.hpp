@@ -1,0 +1,55 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "ipm_mapping/geometry/se2.hpp"
+#include "ipm_mapping/image_view.hpp"
+#include "ipm_mapping/sweep/cylindrical_rectification.hpp"
+#include "ipm_mapping/sweep/polar_grid.hpp"
+
+namespace ipm_mapping::sweep {
+
+/// A camera with a rolling shutter reads its rows one after another while the robot goes on. A row
+/// that is read t after the image's stamp shows the floor as it is seen from a robot that has moved
+/// by v t and turned by w t: with (c, s) the direction of azimuth a and u the velocity of the
+/// camera's foot, what belongs at (a, r) of a global shutter is found at
+///   a + t (r / h (s u_x - c u_y) - w),   ln r + t r / h (c u_x + s u_y),
+/// to first order and for the floor; what stands on it is right at its foot. A turn shears the
+/// image, and floor that was seen before the turn no longer lies on the floor of now.
+class RollingShutter {
+ public:
+  /// `rows` are what the rectified images show. So many lines beside a line may be reached by
+  /// undo(): turning at up to `fastest_turn` is made good for readouts as long as `longest`,
+  /// seconds. 0: none, and nothing of the view is lost.
+  void configure(const CylindricalRectification& rectification, const Eigen::Vector2d& camera_foot,
+                 double longest);
+
+  /// `out`, of the grid's size, as a global shutter had seen `image` at its stamp. `readout`:
+  /// seconds from the first row to the last, negative where the image was turned upside down.
+  void undo(const Velocity& velocity, double readout, const Image<std::uint8_t>& image,
+            Image<std::uint8_t>& out);
+  /// Whether that would move anything by as much as a fifth of a line or row.
+  [[nodiscard]] bool matters(const Velocity& velocity, double readout) const;
+
+  /// The longest readout that is made good in a fast turn.
+  [[nodiscard]] double longest() const { return longest_; }
+  /// What undo() leaves of the view.
+  [[nodiscard]] const std::vector<RowRange>& rows() const { return rows_; }
+
+  static constexpr double fastest_turn = 1.5;  ///< radians per second
+
+ private:
+  void shiftsOf(int line, const Velocity& foot_velocity, double readout);
+
+  PolarGrid grid_;
+  const Image<float>* times_ = nullptr;
+  std::vector<RowRange> seen_, rows_;
+  Eigen::Vector2d foot_ = Eigen::Vector2d::Zero();
+  double longest_ = 0.0;
+  int beside_ = 0;
+  std::vector<float> nearness_;        // 1 / distance of the rows
+  std::vector<float> along_, across_;  // of the rows of a line
+};
+
+}  // namespace ipm_mapping::sweep
