@@ -13,6 +13,8 @@ HWY_BEFORE_NAMESPACE();
 namespace ipm_mapping::kernels::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
+#include "sweep_math_body.hpp"
+
 // The compiler vectorises these loops for the target at hand.
 void smoothRow(const std::uint8_t* above, const std::uint8_t* here, const std::uint8_t* below,
                int width, std::uint8_t* HWY_RESTRICT out) {
@@ -80,6 +82,43 @@ void sample(const std::uint8_t* bytes, const std::int32_t* HWY_RESTRICT offsets,
   for (; i < count; ++i) out[i] = sampleOne(bytes + offsets[i], weights[i]);
 }
 
+/// A coordinate at row i moved by rows and lines, within its bounds.
+HWY_INLINE Vf movedTo(Floats d, const float* here, const float* before, const float* after, int i,
+                      Vf along, Vf across, float least, float most) {
+  const Vf half = hn::Set(d, 0.5F);
+  const Vf by_row = hn::Mul(half, hn::Sub(hn::LoadU(d, here + i + 1), hn::LoadU(d, here + i - 1)));
+  const Vf by_line = hn::Mul(half, hn::Sub(hn::LoadU(d, after + i), hn::LoadU(d, before + i)));
+  const Vf to = hn::Add(hn::LoadU(d, here + i), sumOfProducts(along, by_row, across, by_line));
+  return hn::Min(hn::Max(to, hn::Set(d, least)), hn::Set(d, most));
+}
+
+void plan(const RawLine& line, const MovedRows& m, int begin, int end,
+          std::int32_t* HWY_RESTRICT offsets, std::uint32_t* HWY_RESTRICT weights) {
+  const Floats d;
+  const Ints di;
+  const hn::RebindToUnsigned<Floats> du;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const auto all = hn::Set(di, 128);
+  const Vf unit = hn::Set(d, 128.0F), half = hn::Set(d, 0.5F);
+  const auto width = hn::Set(di, m.width);
+  for (int i = begin; i < end; i += lanes) {
+    const Vf along = hn::LoadU(d, m.along + i), across = hn::LoadU(d, m.across + i);
+    const Vf u = movedTo(d, line.u, line.u_before, line.u_after, i, along, across, m.least, m.most_u);
+    const Vf v = movedTo(d, line.v, line.v_before, line.v_after, i, along, across, m.least, m.most_v);
+    const auto iu = hn::ConvertTo(di, u), iv = hn::ConvertTo(di, v);
+    const Vf fu = hn::Sub(u, hn::ConvertTo(d, iu)), fv = hn::Sub(v, hn::ConvertTo(d, iv));
+    const auto a = hn::ConvertTo(di, hn::Add(hn::Mul(fu, unit), half));
+    const auto b = hn::ConvertTo(di, hn::Add(hn::Mul(fv, unit), half));
+    const auto ab = hn::ShiftRight<7>(hn::Add(hn::Mul(a, b), hn::Set(di, 64)));
+    const auto below = hn::Sub(b, ab), right = hn::Sub(a, ab);
+    const auto here = hn::Sub(hn::Sub(all, a), below);
+    hn::StoreU(hn::ShiftLeft<1>(hn::Add(hn::Mul(iv, width), iu)), di, offsets + (i - begin));
+    hn::StoreU(hn::BitCast(du, hn::Or(hn::Or(here, hn::ShiftLeft<8>(below)),
+                                      hn::Or(hn::ShiftLeft<16>(right), hn::ShiftLeft<24>(ab)))),
+               du, weights + (i - begin));
+  }
+}
+
 }  // namespace ipm_mapping::kernels::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -88,6 +127,7 @@ namespace ipm_mapping::kernels {
 HWY_EXPORT(smooth);
 HWY_EXPORT(pair);
 HWY_EXPORT(sample);
+HWY_EXPORT(plan);
 
 void smooth121(GrayView in, GrayBuffer out) { HWY_DYNAMIC_DISPATCH(smooth)(in, out); }
 
@@ -97,6 +137,11 @@ void samplePlan(ImageView<const std::uint16_t> pairs, const std::int32_t* offset
                 const std::uint32_t* weights, int count, std::uint8_t* out) {
   HWY_DYNAMIC_DISPATCH(sample)
   (reinterpret_cast<const std::uint8_t*>(pairs.data), offsets, weights, count, out);
+}
+
+void movedPlan(const RawLine& line, const MovedRows& moved, int begin, int end,
+               std::int32_t* offsets, std::uint32_t* weights) {
+  HWY_DYNAMIC_DISPATCH(plan)(line, moved, begin, end, offsets, weights);
 }
 }  // namespace ipm_mapping::kernels
 #endif

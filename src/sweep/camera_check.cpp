@@ -22,8 +22,7 @@ void CameraCheck::setCamera(const CameraModel& camera, const CameraPose& T_base_
   lattice_.configure(grid_, rectification_.ranges());
   ring_.configure(grid_, parameters_.reference);
   calibration_.setCamera(T_base_camera);
-  calibration_.configure(grid_, rectification_.ranges(), rectification_.readTimes(),
-                         CalibrationVector::Zero());
+  calibration_.configure(rectification_, rectification_.ranges(), CalibrationVector::Zero());
   current_.image.resize(grid_.rows, grid_.lines);
   view_ = {};
   stated_errors_.clear();

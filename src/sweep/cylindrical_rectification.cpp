@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "ipm_mapping/kernels/sweep_costs.hpp"
 #include "ipm_mapping/kernels/sweep_rectify.hpp"
 
 namespace ipm_mapping::sweep {
@@ -48,7 +49,11 @@ void CylindricalRectification::configure(const CameraModel& camera, const Camera
   ranges_.assign(static_cast<std::size_t>(grid.lines), RowRange{});
   offsets_.resize(grid.rows, grid.lines);
   weights_.resize(grid.rows, grid.lines);
-  read_times_.resize(grid.rows, grid.lines);
+  u_.resize(grid.rows, grid.lines);
+  v_.resize(grid.rows, grid.lines);
+  readout_per_row_ = 1.0F / static_cast<float>(std::max(1, camera.height() - 1));
+  moved_offsets_.resize(static_cast<std::size_t>(grid.rows + kernels::overrun));
+  moved_weights_.resize(moved_offsets_.size());
   smooth_.resize(camera.width(), camera.height());
   pairs_.resize(camera.width(), camera.height());
   for (int line = 0; line < grid.lines; ++line) compileLine(camera, T_base_camera, line);
@@ -70,13 +75,34 @@ void CylindricalRectification::compileLine(const CameraModel& camera,
     const int iu = static_cast<int>(u), iv = static_cast<int>(v);
     offsets_.at(row, line) = (iv * camera.width() + iu) * 2;
     weights_.at(row, line) = packedWeights(u - iu, v - iv);
-    read_times_.at(row, line) = static_cast<float>(v / (camera.height() - 1) - 0.5);
+    u_.at(row, line) = static_cast<float>(u);
+    v_.at(row, line) = static_cast<float>(v);
   }
 }
 
-void CylindricalRectification::rectify(GrayView raw, ImageView<std::uint8_t> rectified) {
+void CylindricalRectification::load(GrayView raw) {
   kernels::smooth121(raw, smooth_.view());
   kernels::pairRows(smooth_.view(), pairs_.view());
+}
+
+void CylindricalRectification::sampleMoved(int line, RowRange part, const float* along,
+                                           const float* across, std::uint8_t* out) {
+  const kernels::RawLine raw{u_.row(line),     v_.row(line),     u_.row(line - 1),
+                             v_.row(line - 1), u_.row(line + 1), v_.row(line + 1)};
+  const kernels::MovedRows moved{along,
+                                 across,
+                                 static_cast<float>(border),
+                                 static_cast<float>(smooth_.width() - 1 - border),
+                                 static_cast<float>(smooth_.height() - 1 - border),
+                                 smooth_.width()};
+  kernels::movedPlan(raw, moved, part.begin, part.end, moved_offsets_.data(),
+                     moved_weights_.data());
+  kernels::samplePlan(pairs_.view(), moved_offsets_.data(), moved_weights_.data(), part.size(),
+                      out + part.begin);
+}
+
+void CylindricalRectification::rectify(GrayView raw, ImageView<std::uint8_t> rectified) {
+  load(raw);
   for (int line = 0; line < grid_.lines; ++line) {
     const RowRange range = rows(line);
     kernels::samplePlan(pairs_.view(), offsets_.row(line) + range.begin,

@@ -32,14 +32,15 @@ CalibrationInformation CalibrationInformation::certainly(const CalibrationVector
   return {certainty * CalibrationMatrix::Identity(), certainty * state};
 }
 
-void FloorPair::configure(const PolarGrid& grid, const std::vector<RowRange>& rows,
-                          const Image<float>& read_times, const StatedCamera& stated,
+void FloorPair::configure(const CylindricalRectification& rectification,
+                          const std::vector<RowRange>& rows, const StatedCamera& stated,
                           const CalibrationVector& rectified_with,
                           const CalibrationParameters& parameters,
                           const MotionRefinementParameters& noise) {
+  const PolarGrid& grid = rectification.grid();
   grid_ = grid;
   rows_ = rows;
-  read_times_ = &read_times;
+  rectification_ = &rectification;
   stated_ = stated;
   rectified_with_ = rectified_with;
   parameters_ = parameters;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ipm_mapping/kernels/sway_line.hpp"
 #include "ipm_mapping/kernels/sweep_costs.hpp"
 
 namespace ipm_mapping::sweep {
@@ -22,17 +21,16 @@ Velocity ofFoot(const Velocity& base, const Eigen::Vector2d& foot) {
 void RollingShutter::configure(const CylindricalRectification& rectification,
                                const Eigen::Vector2d& camera_foot, double longest) {
   grid_ = rectification.grid();
-  times_ = &rectification.readTimes();
-  seen_ = rectification.ranges();
   foot_ = camera_foot;
   longest_ = std::abs(longest);
   beside_ = static_cast<int>(std::ceil(half * longest_ * fastest_turn * grid_.lines_per_radian));
-  rows_ = seen_;
+  rows_ = rectification.ranges();
   if (beside_ > 0) {
-    const std::vector<RowRange> shared = commonRows(seen_, 2 * beside_ + 1);
-    rows_.assign(seen_.size(), {});
+    const std::vector<RowRange> shared = commonRows(rows_, 2 * beside_ + 1);
+    rows_.assign(rows_.size(), {});
     for (std::size_t i = 0; i < shared.size(); ++i)
-      rows_[i + static_cast<std::size_t>(beside_)] = shared[i];
+      if (shared[i].size() > 2)
+        rows_[i + static_cast<std::size_t>(beside_)] = {shared[i].begin + 1, shared[i].end - 1};
   }
   const auto padded = static_cast<std::size_t>(grid_.rows + kernels::overrun);
   nearness_.assign(padded, 0.0F);
@@ -52,31 +50,33 @@ bool RollingShutter::matters(const Velocity& velocity, double readout) const {
 }
 
 /// Where the rows of a line are found, rows and lines away.
-void RollingShutter::shiftsOf(int line, const Velocity& foot, double readout) {
+void RollingShutter::shiftsOf(const CylindricalRectification& rectification, int line,
+                              const Velocity& foot, double readout) {
   const double azimuth = grid_.azimuth(line), c = std::cos(azimuth), s = std::sin(azimuth);
   const auto turn = static_cast<float>(grid_.lines_per_radian * readout * foot.theta);
   const auto aside =
       static_cast<float>(grid_.lines_per_radian * readout * (c * foot.y - s * foot.x));
   const auto ahead = static_cast<float>(grid_.rows_per_log * readout * (c * foot.x + s * foot.y));
   const auto most = static_cast<float>(beside_);
-  const float* times = times_->row(line);
-  const RowRange rows = seen_[static_cast<std::size_t>(line)];
+  const RowRange rows = rows_[static_cast<std::size_t>(line)];
   for (int row = rows.begin; row < rows.end; ++row) {
     const auto j = static_cast<std::size_t>(row);
-    along_[j] = times[row] * nearness_[j] * ahead;
-    across_[j] = std::clamp(times[row] * (turn + nearness_[j] * aside), -most, most);
+    const float time = rectification.readTime(row, line);
+    along_[j] = time * nearness_[j] * ahead;
+    across_[j] = std::clamp(time * (turn + nearness_[j] * aside), -most, most);
   }
 }
 
-void RollingShutter::undo(const Velocity& velocity, double readout,
-                          const Image<std::uint8_t>& image, Image<std::uint8_t>& out) {
+void RollingShutter::rectify(CylindricalRectification& rectification, GrayView raw,
+                             const Velocity& velocity, double readout,
+                             ImageView<std::uint8_t> rectified) {
   const Velocity foot = ofFoot(velocity, foot_);
+  rectification.load(raw);
   for (int line = 0; line < grid_.lines; ++line) {
-    const RowRange rows = seen_[static_cast<std::size_t>(line)];
-    if (rows.size() < 2) continue;
-    shiftsOf(line, foot, readout);
-    kernels::swayLine(image.view(), line, {along_.data(), across_.data(), 1.0F, 1.0F}, rows.begin,
-                      rows.end, out.row(line));
+    const RowRange rows = rows_[static_cast<std::size_t>(line)];
+    if (rows.size() == 0) continue;
+    shiftsOf(rectification, line, foot, readout);
+    rectification.sampleMoved(line, rows, along_.data(), across_.data(), rectified.row(line));
   }
 }
 

@@ -39,11 +39,11 @@ bool SelfCalibration::adopt(const SelfCalibration& other) {
   return bounded();
 }
 
-void SelfCalibration::configure(const PolarGrid& grid, const std::vector<RowRange>& rows,
-                                const Image<float>& read_times,
+void SelfCalibration::configure(const CylindricalRectification& rectification,
+                                const std::vector<RowRange>& rows,
                                 const CalibrationVector& rectified_with) {
   rectified_with_ = rectified_with;
-  pair_.configure(grid, rows, read_times, stated_, rectified_with, parameters_, noise_);
+  pair_.configure(rectification, rows, stated_, rectified_with, parameters_, noise_);
 }
 
 /// Short while the views would not overlap under the pitch that is possible, and never more than

@@ -21,7 +21,7 @@ void SweepDetector::applyCalibration() {
 
 void SweepDetector::rectifyWith(const CalibrationVector& correction) {
   configure(corrected(T_base_stated_, correction));
-  calibration_.configure(grid_, shutter_.rows(), rectification_.readTimes(), correction);
+  calibration_.configure(rectification_, shutter_.rows(), correction);
 }
 
 /// What the view has to spare at its sides; in steps, so that it is rarely compiled anew.
@@ -36,8 +36,8 @@ void SweepDetector::applyReadout() {
   if (!learn_readout_ || !calibration_.readoutDiffers(readout_)) return;
   readout_ = calibration_.readout();
   if (longestReadout() == shutter_.longest()) return;
-  rectifyWith(calibration_.inForce());
-  ring_.clear();
+  configureView();
+  calibration_.configure(rectification_, shutter_.rows(), calibration_.inForce());
 }
 
 /// What stands below the view is remembered by the floor's own motion, which therefore goes on.
@@ -46,11 +46,10 @@ bool SweepDetector::adopt(const Detector& before) {
   if (other == nullptr || other->camera_.width() == 0) return false;
   setCamera(other->camera_, other->T_base_stated_);
   const CalibrationVector& in_force = other->calibration_.inForce();
-  const bool same = calibration_.adopt(other->calibration_);
-  if (same && learn_readout_) readout_ = other->readout_;
-  if (same && calibration_mode_ == CalibrationMode::Apply &&
+  if (calibration_.adopt(other->calibration_) && calibration_mode_ == CalibrationMode::Apply &&
       !in_force.isZero())
     rectifyWith(in_force);
+  applyReadout();
   free_floor_.adopt(other->free_floor_);
   T_odom_last_ = other->T_odom_last_;
   T_floor_last_ = other->T_floor_last_;

@@ -41,16 +41,23 @@ void SweepDetector::setCamera(const CameraModel& camera, const CameraPose& T_bas
 /// Everything that depends on the pose that frames are rectified with.
 void SweepDetector::configure(const CameraPose& T_base_camera) {
   T_base_camera_ = T_base_camera;
-  const Eigen::Vector2d foot = T_base_camera.translation().head<2>();
   max_range_ = effectiveMaxRange(camera_, T_base_camera, parameters_.grid.max_range);
   grid_ = makePolarGrid(camera_, T_base_camera, parameters_.grid, max_range_);
   rectification_.configure(camera_, T_base_camera, grid_);
+  ring_.configure(grid_, parameters_.reference);
+  configureView();
+  allocate();
+}
+
+/// Everything that depends on how much of the view can be worked with.
+void SweepDetector::configureView() {
+  const Eigen::Vector2d foot = T_base_camera_.translation().head<2>();
   shutter_.configure(rectification_, foot, longestReadout());
-  rolled_.resize(grid_.rows, grid_.lines);
   const std::vector<RowRange>& rows = shutter_.rows();
   noise_.configure(grid_, rows, parameters_.noise);
   lattice_.configure(grid_, rows);
   refinement_.configure(grid_, rows, foot, parameters_.refinement);
+  floor_masked_ = false;
   sway_.configure(grid_, rows);
   specular_.configure(grid_, rows, parameters_.evidence);
   floor_cost_.configure(grid_, rows, parameters_.evidence);
@@ -65,7 +72,9 @@ void SweepDetector::configure(const CameraPose& T_base_camera) {
   remembered_foot_.configure(sweep_, parameters_.free_floor, parameters_.foot);
   lone_contact_.configure(sweep_, parameters_.selection);
   plain_edge_.configure(sweep_, parameters_.free_floor, parameters_.foot);
-  ring_.configure(grid_, parameters_.reference);
+}
+
+void SweepDetector::allocate() {
   current_.image.resize(grid_.rows, grid_.lines);
   current_grey_.resize(grid_.sweepRows(), grid_.lines);
   current_odd_.resize(grid_.sweepRows(), grid_.lines);
@@ -79,10 +88,10 @@ void SweepDetector::configure(const CameraPose& T_base_camera) {
   }
   for (Steadied& steady : steady_) {
     steady.image.resize(grid_.rows, grid_.lines);
-    steady.rows.reserve(rows.size());
-    steady.beam_rows.reserve(rows.size());
+    steady.rows.reserve(static_cast<std::size_t>(grid_.lines));
+    steady.beam_rows.reserve(static_cast<std::size_t>(grid_.lines));
   }
-  choices_.reserve(static_cast<std::size_t>(sweep_.beams()));
+  choices_.reserve(static_cast<std::size_t>(grid_.lines));
 }
 
 void SweepDetector::reset() {
@@ -99,12 +108,10 @@ void SweepDetector::reset() {
 void SweepDetector::rectify(const Frame& frame) {
   current_.velocity = frame.velocity;
   current_.readout = readout_;
-  if (!shutter_.matters(frame.velocity, readout_)) {
+  if (shutter_.matters(frame.velocity, readout_))
+    shutter_.rectify(rectification_, frame.image, frame.velocity, readout_, current_.image.view());
+  else
     rectification_.rectify(frame.image, current_.image.view());
-    return;
-  }
-  rectification_.rectify(frame.image, rolled_.view());
-  shutter_.undo(frame.velocity, readout_, rolled_, current_.image);
 }
 
 void SweepDetector::lap(const char* stage) {

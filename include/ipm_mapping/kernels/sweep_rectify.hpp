@@ -16,6 +16,24 @@ void smooth121(GrayView in, GrayBuffer out);
 /// neighbouring pairs are the 2x2 neighbourhood that a bilinear sample needs.
 void pairRows(GrayView in, ImageView<std::uint16_t> out);
 
+/// Raw pixels that see the rows of a line, and of the lines before and after it.
+struct RawLine {
+  const float *u = nullptr, *v = nullptr;
+  const float *u_before = nullptr, *v_before = nullptr;
+  const float *u_after = nullptr, *v_after = nullptr;
+};
+/// Plan for samplePlan() of rows begin ... end - 1 of a line, each taken `along` rows and `across`
+/// lines away, linear in both: rows begin - 1 and end are read too. Pixels stay within
+/// [least, most_u] x [least, most_v]; `width` of the image. Entry i of the plan is row begin + i;
+/// up to `overrun` more are written. Weights are products of fractions in 1/128.
+struct MovedRows {
+  const float *along = nullptr, *across = nullptr;
+  float least = 0.0F, most_u = 0.0F, most_v = 0.0F;
+  int width = 0;
+};
+void movedPlan(const RawLine& line, const MovedRows& moved, int begin, int end,
+               std::int32_t* offsets, std::uint32_t* weights);
+
 /// out[i] = (sum over k of byte k of the 4 bytes at pairs + offsets[i] times byte k of weights[i]
 /// + 64) >> 7. The weights of one sample sum to 128; every 4 bytes lie inside the pair image.
 void samplePlan(ImageView<const std::uint16_t> pairs, const std::int32_t* offsets,

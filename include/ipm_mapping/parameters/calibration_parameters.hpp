@@ -50,7 +50,7 @@ struct CalibrationParameters {
   double apply_tilt = 0.001;
   double apply_height = 0.002;
   double apply_readout = 0.002;
-  double readout_sigmas = 2.0;
+  double readout_sigmas = 3.0;
   double warn_tilt = 0.0052;
   double warn_height = 0.01;
   double warn_sigmas = 3.0;

@@ -34,6 +34,13 @@ class CylindricalRectification {
   /// Builds the map; throws nothing, `grid().lines` is 0 where no floor is in view.
   void configure(const CameraModel& camera, const CameraPose& T_base_camera, const PolarGrid& grid);
 
+  /// What rectify() begins with; after it single lines can be had.
+  void load(GrayView raw);
+  /// Rows `part` of a line as they are seen `along` rows and `across` lines away, arrays of a whole
+  /// line. Both lines beside it and both rows beside the part have to be in view.
+  void sampleMoved(int line, RowRange part, const float* along, const float* across,
+                   std::uint8_t* out);
+
   /// `raw` has the calibrated size. Rows outside rows(line) are left as they are.
   void rectify(GrayView raw, ImageView<std::uint8_t> rectified);
 
@@ -41,9 +48,11 @@ class CylindricalRectification {
   /// Rows of a line that are in view.
   [[nodiscard]] RowRange rows(int line) const { return ranges_[static_cast<std::size_t>(line)]; }
   [[nodiscard]] const std::vector<RowRange>& ranges() const { return ranges_; }
-  /// When the pixel that shows a place of the grid is read, as a share of the readout: -0.5 the
-  /// first row of the image, 0 the middle one, 0.5 the last. Of places in view; stored as images.
-  [[nodiscard]] const Image<float>& readTimes() const { return read_times_; }
+  /// When the pixel that shows a place in view is read, as a share of the readout: -0.5 the first
+  /// row of the image, 0 the middle one, 0.5 the last.
+  [[nodiscard]] float readTime(int row, int line) const {
+    return v_.at(row, line) * readout_per_row_ - 0.5F;
+  }
 
  private:
   void compileLine(const CameraModel& camera, const CameraPose& T_base_camera, int line);
@@ -52,7 +61,10 @@ class CylindricalRectification {
   std::vector<RowRange> ranges_;
   Image<std::int32_t> offsets_;   // of the upper left neighbour in the pair image, bytes
   Image<std::uint32_t> weights_;  // of the four neighbours, one byte each, sum 128
-  Image<float> read_times_;
+  Image<float> u_, v_;  // raw pixels
+  float readout_per_row_ = 1.0F;
+  std::vector<std::int32_t> moved_offsets_;
+  std::vector<std::uint32_t> moved_weights_;
   Image<std::uint8_t> smooth_;    // B
   Image<std::uint16_t> pairs_;    // B(u, v) | B(u, v + 1) << 8
 };

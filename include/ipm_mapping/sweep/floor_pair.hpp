@@ -52,10 +52,10 @@ struct PairEvidence {
 /// then eliminates all but the state (Schur complement).
 class FloorPair {
  public:
-  /// `rectified_with`: the correction that the grid's pose has over the stated one; `read_times`:
-  /// CylindricalRectification's, they have to stay.
-  void configure(const PolarGrid& grid, const std::vector<RowRange>& rows,
-                 const Image<float>& read_times, const StatedCamera& stated,
+  /// `rectified_with`: the correction that the grid's pose has over the stated one; `rows`: what
+  /// the frames show. The rectification has to stay where it is.
+  void configure(const CylindricalRectification& rectification, const std::vector<RowRange>& rows,
+                 const StatedCamera& stated,
                  const CalibrationVector& rectified_with,
                  const CalibrationParameters& parameters, const MotionRefinementParameters& noise);
 
@@ -99,7 +99,7 @@ class FloorPair {
   bool place(const FloorWarp& floor, const FloorPoint& point, FloorWarp::Position& at) const;
   [[nodiscard]] double readTime(double row, double line) const {
     return static_cast<double>(
-        read_times_->at(static_cast<int>(row + 0.5), static_cast<int>(line + 0.5)));
+        rectification_->readTime(static_cast<int>(row + 0.5), static_cast<int>(line + 0.5)));
   }
   struct Guess {
     CalibrationVector state;
@@ -131,7 +131,7 @@ class FloorPair {
 
   PolarGrid grid_;
   std::vector<RowRange> rows_;
-  const Image<float>* read_times_ = nullptr;
+  const CylindricalRectification* rectification_ = nullptr;
   StatedCamera stated_;
   CalibrationVector rectified_with_ = CalibrationVector::Zero();
   CalibrationParameters parameters_;

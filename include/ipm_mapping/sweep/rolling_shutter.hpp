@@ -19,32 +19,31 @@ namespace ipm_mapping::sweep {
 /// image, and floor that was seen before the turn no longer lies on the floor of now.
 class RollingShutter {
  public:
-  /// `rows` are what the rectified images show. So many lines beside a line may be reached by
-  /// undo(): turning at up to `fastest_turn` is made good for readouts as long as `longest`,
-  /// seconds. 0: none, and nothing of the view is lost.
+  /// So many lines beside a line may be reached that a turn of `fastest_turn` is made good for a
+  /// readout as `longest`, seconds. 0: none, and nothing of the view is lost.
   void configure(const CylindricalRectification& rectification, const Eigen::Vector2d& camera_foot,
                  double longest);
 
-  /// `out`, of the grid's size, as a global shutter had seen `image` at its stamp. `readout`:
+  /// Rectifies a raw image as a global shutter had seen it at its stamp; of rows() only. `readout`:
   /// seconds from the first row to the last, negative where the image was turned upside down.
-  void undo(const Velocity& velocity, double readout, const Image<std::uint8_t>& image,
-            Image<std::uint8_t>& out);
+  void rectify(CylindricalRectification& rectification, GrayView raw, const Velocity& velocity,
+               double readout, ImageView<std::uint8_t> rectified);
   /// Whether that would move anything by as much as a fifth of a line or row.
   [[nodiscard]] bool matters(const Velocity& velocity, double readout) const;
 
   /// The longest readout that is made good in a fast turn.
   [[nodiscard]] double longest() const { return longest_; }
-  /// What undo() leaves of the view.
+  /// What rectify() leaves of the view.
   [[nodiscard]] const std::vector<RowRange>& rows() const { return rows_; }
 
-  static constexpr double fastest_turn = 1.5;  ///< radians per second
+  static constexpr double fastest_turn = 0.8;  ///< radians per second
 
  private:
-  void shiftsOf(int line, const Velocity& foot_velocity, double readout);
+  void shiftsOf(const CylindricalRectification& rectification, int line, const Velocity& foot,
+                double readout);
 
   PolarGrid grid_;
-  const Image<float>* times_ = nullptr;
-  std::vector<RowRange> seen_, rows_;
+  std::vector<RowRange> rows_;
   Eigen::Vector2d foot_ = Eigen::Vector2d::Zero();
   double longest_ = 0.0;
   int beside_ = 0;

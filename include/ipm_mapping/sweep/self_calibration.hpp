@@ -29,8 +29,8 @@ class SelfCalibration {
   bool adopt(const SelfCalibration& other);
   /// How frames are rectified from now on: with corrected(stated pose, rectified_with). What was
   /// learnt stays.
-  void configure(const PolarGrid& grid, const std::vector<RowRange>& rows,
-                 const Image<float>& read_times, const CalibrationVector& rectified_with);
+  void configure(const CylindricalRectification& rectification, const std::vector<RowRange>& rows,
+                 const CalibrationVector& rectified_with);
   /// Poses or clock jumped: what was learnt stays.
   void reset() { seen_any_ = false; }
 

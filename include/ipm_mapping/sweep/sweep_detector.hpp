@@ -73,6 +73,8 @@ class SweepDetector : public Detector {
 
   void rectifyWith(const CalibrationVector& correction);
   void configure(const CameraPose& T_base_camera);
+  void allocate();
+  void configureView();
   void rectify(const Frame& frame);
   void learnCalibration();
   void applyReadout();
@@ -118,7 +120,6 @@ class SweepDetector : public Detector {
   PolarGrid grid_;
   CylindricalRectification rectification_;
   RollingShutter shutter_;
-  Image<std::uint8_t> rolled_;  // as the shutter left it
   NoiseModel noise_;
   MotionRefinement refinement_;
   SwayCorrection sway_;
