@@ -119,8 +119,10 @@ Velocity OdometryBuffer::velocity(double stamp) const {
   while (after->stamp - before->stamp < span) {
     const bool can_back = before != poses_.begin(), can_on = after + 1 != poses_.end();
     if (!can_back && !can_on) break;
-    if (can_on && (!can_back || (after + 1)->stamp - stamp < stamp - (before - 1)->stamp)) ++after;
-    else --before;
+    if (can_on && (!can_back || (after + 1)->stamp - stamp < stamp - (before - 1)->stamp))
+      ++after;
+    else
+      --before;
   }
   const double seconds = after->stamp - before->stamp;
   if (!(seconds > 0.0)) return {};

@@ -103,8 +103,10 @@ void plan(const RawLine& line, const MovedRows& m, int begin, int end,
   const auto width = hn::Set(di, m.width);
   for (int i = begin; i < end; i += lanes) {
     const Vf along = hn::LoadU(d, m.along + i), across = hn::LoadU(d, m.across + i);
-    const Vf u = movedTo(d, line.u, line.u_before, line.u_after, i, along, across, m.least, m.most_u);
-    const Vf v = movedTo(d, line.v, line.v_before, line.v_after, i, along, across, m.least, m.most_v);
+    const Vf u =
+        movedTo(d, line.u, line.u_before, line.u_after, i, along, across, m.least, m.most_u);
+    const Vf v =
+        movedTo(d, line.v, line.v_before, line.v_after, i, along, across, m.least, m.most_v);
     const auto iu = hn::ConvertTo(di, u), iv = hn::ConvertTo(di, v);
     const Vf fu = hn::Sub(u, hn::ConvertTo(d, iu)), fv = hn::Sub(v, hn::ConvertTo(d, iv));
     const auto a = hn::ConvertTo(di, hn::Add(hn::Mul(fu, unit), half));

@@ -163,8 +163,8 @@ void FrameSource::process(const Gate::Released& frame) {
   }
   FrameInfo info{message.header(), odometry_.frames(), message.header().stamp};
   if (camera_parameters_.image_time_offset != 0.0) info.header.stamp = rosTime(frame.stamp);
-  const FrameStatus status =
-      handlers_.frame({frame.payload.index, frame.stamp, picture.view, frame.T_odom_base, frame.velocity}, info);
+  const FrameStatus status = handlers_.frame(
+      {frame.payload.index, frame.stamp, picture.view, frame.T_odom_base, frame.velocity}, info);
   monitor_.answered(status, info.header.stamp, explain(status));
 }
 

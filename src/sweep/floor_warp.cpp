@@ -20,8 +20,7 @@ CalibrationVector swayed(const Eigen::Vector2d& sway) {
 
 FloorWarp::FloorWarp(const PolarGrid& grid, const StatedCamera& stated,
                      const CalibrationVector& state, const CalibrationVector& rectified_with,
-                     const SE2& motion, const Eigen::Vector2d& sway,
-                     const ReadoutOfPair& readout)
+                     const SE2& motion, const Eigen::Vector2d& sway, const ReadoutOfPair& readout)
     : grid_(grid),
       tilt_(stated.tilt(state)),
       turning_(stated.turning(state)),

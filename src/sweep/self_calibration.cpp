@@ -8,6 +8,8 @@ namespace {
 
 using I = CalibrationIndex;
 
+constexpr double known_readout = 1e-6;  // seconds: how well, if it is not to be learnt
+
 }  // namespace
 
 void SelfCalibration::setCamera(const CameraPose& T_base_camera) {
@@ -16,7 +18,7 @@ void SelfCalibration::setCamera(const CameraPose& T_base_camera) {
   const CalibrationParameters& p = parameters_;
   CalibrationVector sd;
   sd << p.sd_pitch, p.sd_roll, p.sd_yaw, p.sd_height_wrong / stated_.height, p.sd_scale,
-      p.sd_turn_scale, p.sd_yaw_rate, p.sd_readout;
+      p.sd_turn_scale, p.sd_yaw_rate, p.learn_readout ? p.sd_readout : known_readout;
   prior_.information = sd.cwiseAbs2().cwiseInverse().asDiagonal();
   sd[I::LogHeight] = p.sd_height / stated_.height;
   prior_right_height_.information = sd.cwiseAbs2().cwiseInverse().asDiagonal();
@@ -58,7 +60,8 @@ double SelfCalibration::baseline() const {
 bool SelfCalibration::due(const RectifiedFrame& current) const {
   if (!seen_any_) return true;
   const CalibrationParameters& p = parameters_;
-  const bool telling = parameters_.learn_readout && std::abs(current.velocity.theta) > p.readout_turn &&
+  const bool telling = parameters_.learn_readout &&
+                       std::abs(current.velocity.theta) > p.readout_turn &&
                        sigma(I::ReadoutTime) > p.apply_readout;
   const double spacing = telling ? stated_.height * p.short_baseline
                          : confident() && !learnt_.height_in_doubt
@@ -167,9 +170,8 @@ bool SelfCalibration::worthApplying() const {
 
 bool SelfCalibration::readoutDiffers(double in_force) const {
   const double change = std::abs(readout() - in_force);
-  return learnt_.pairs > 0 &&
-         change > std::max(parameters_.apply_readout,
-                           parameters_.readout_sigmas * sigma(I::ReadoutTime));
+  return learnt_.pairs > 0 && change > std::max(parameters_.apply_readout,
+                                                parameters_.readout_sigmas * sigma(I::ReadoutTime));
 }
 
 Sway SelfCalibration::remainingTilt() const {

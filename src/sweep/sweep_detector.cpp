@@ -191,9 +191,8 @@ FrameStatus SweepDetector::findReferences(const Frame& frame) {
   seen_any_ = true;
   last_used_ = pose;
   const double near = p.short_baseline * grid_.height;
-  const double far = p.long_baseline > 0.0
-                         ? std::max(p.long_baseline * grid_.height, p.least_long_baseline)
-                         : 0.0;
+  const double far =
+      p.long_baseline > 0.0 ? std::max(p.long_baseline * grid_.height, p.least_long_baseline) : 0.0;
   for (const double baseline : {near, far}) {
     if (baseline <= 0.0) continue;
     const RectifiedFrame* found = ring_.find(pose, frame.stamp, baseline);

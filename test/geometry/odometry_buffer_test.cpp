@@ -37,6 +37,41 @@ TEST(OdometryBuffer, InterpolatesAnglesTheShortWayRound) {
   EXPECT_NEAR(wrapAngle(pose.theta - M_PI), 0.0, 1e-12);
 }
 
+TEST(OdometryBuffer, KnowsTheVelocityInTheRobotsOwnAxes) {
+  OdometryBuffer buffer;  // an arc of 0.5 m/s and 0.4 rad/s, the robot looks to the left
+  const auto onArc = [](double t) {
+    const double angle = 0.4 * t, radius = 0.5 / 0.4;
+    const SE2 from{1.0, 2.0, M_PI / 2.0};
+    return from * SE2{radius * std::sin(angle), radius * (1.0 - std::cos(angle)), angle};
+  };
+  for (int i = 0; i <= 50; ++i) buffer.add(100.0 + 0.02 * i, onArc(0.02 * i));
+  for (const double t : {100.0, 100.01, 100.5, 100.508, 101.0}) {
+    const Velocity v = buffer.velocity(t);
+    EXPECT_NEAR(v.x, 0.5, 1e-6) << t;
+    EXPECT_NEAR(v.y, 0.0, 1e-6) << t;
+    EXPECT_NEAR(v.theta, 0.4, 1e-6) << t;
+  }
+  EXPECT_FALSE(buffer.velocity(101.5).moving()) << "nothing is known of that";
+  EXPECT_FALSE(OdometryBuffer().velocity(1.0).moving());
+}
+
+/// Two messages a millisecond apart say nothing of a velocity: encoders have steps.
+TEST(OdometryBuffer, TheVelocityIsAMeanOverAFewMessages) {
+  OdometryBuffer buffer;
+  double x = 0.0;
+  for (int i = 0; i < 100; ++i) buffer.add(0.01 * i, {x += i % 2 == 0 ? 0.0 : 0.006, 0.0, 0.0});
+  for (const double t : {0.3, 0.304, 0.315}) EXPECT_NEAR(buffer.velocity(t).x, 0.3, 0.065) << t;
+}
+
+/// It is the velocity at the stamp, not of a while ago: a turn begins.
+TEST(OdometryBuffer, TheVelocityIsThatOfTheStamp) {
+  OdometryBuffer buffer;
+  for (int i = 0; i <= 50; ++i)
+    buffer.add(0.02 * i, {0.0, 0.0, i <= 25 ? 0.0 : 0.5 * 0.02 * (i - 25)});
+  EXPECT_NEAR(buffer.velocity(0.45).theta, 0.0, 1e-9);
+  EXPECT_NEAR(buffer.velocity(0.55).theta, 0.5, 1e-9);
+}
+
 TEST(OdometryBuffer, SaysWhyItDoesNotKnow) {
   SE2 pose{7.0, 7.0, 7.0};
   EXPECT_EQ(OdometryBuffer().at(1.0, pose), PoseAnswer::NotYet);

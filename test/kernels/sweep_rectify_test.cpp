@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <random>
 #include <vector>
 
+#include "ipm_mapping/kernels/sweep_costs.hpp"
 #include "kernels/sweep_targets.hpp"
 
 namespace ipm_mapping {
@@ -53,6 +55,68 @@ TEST(SweepRectifyKernels, PairsHoldAPixelAndTheOneBelow) {
     for (int v = 0; v < 6; ++v)
       for (int u = 0; u < 45; ++u)
         ASSERT_EQ(out.at(u, v), in.at(u, v) + 256 * in.at(u, std::min(v + 1, 5)));
+  });
+}
+
+TEST(SweepRectifyKernels, AMovedPlanSamplesWhereRowsAndLinesLead) {
+  constexpr int width = 60, height = 40, rows = 50, begin = 1, end = 48;
+  const auto padded = static_cast<std::size_t>(rows + kernels::overrun);
+  std::mt19937 random(2);
+  std::uniform_real_distribution<float> unit(0.0F, 1.0F);
+  std::array<std::vector<float>, 8> tables;  // u and v here, before, after; along, across
+  for (auto& table : tables) table.resize(padded);
+  auto& [u, v, u_before, v_before, u_after, v_after, along, across] = tables;
+  for (std::size_t i = 0; i < padded; ++i) {
+    u[i] = 5.0F + 0.9F * static_cast<float>(i) + unit(random);
+    v[i] = 30.0F - 0.4F * static_cast<float>(i) + unit(random);
+    u_before[i] = u[i] - 1.3F - 0.1F * unit(random);
+    u_after[i] = u[i] + 1.2F;
+    v_before[i] = v[i] + 0.2F;
+    v_after[i] = v[i] - 0.3F * unit(random);
+    along[i] = 4.0F * unit(random) - 2.0F;
+    across[i] = 10.0F * unit(random) - 5.0F;
+  }
+  const auto in = noise(width, height, 5);
+  Image<std::uint16_t> pairs(width, height);
+  kernels::pairRows(in.view(), pairs.view());
+  const kernels::RawLine line{u.data(),        v.data(),       u_before.data(),
+                              v_before.data(), u_after.data(), v_after.data()};
+  const kernels::MovedRows moved{along.data(), across.data(), 2.0F,
+                                 width - 3.0F, height - 3.0F, width};
+  std::vector<std::int32_t> first_offsets;
+  std::vector<std::uint32_t> first_weights;
+  withEverySweepTarget([&] {
+    std::vector<std::int32_t> offsets(padded);
+    std::vector<std::uint32_t> weights(padded);
+    kernels::movedPlan(line, moved, begin, end, offsets.data(), weights.data());
+    std::vector<std::uint8_t> out(padded);
+    kernels::samplePlan(pairs.view(), offsets.data(), weights.data(), end - begin, out.data());
+    for (int row = begin; row < end; ++row) {
+      const auto i = static_cast<std::size_t>(row);
+      const auto led = [&](const std::vector<float>& here, const std::vector<float>& before,
+                           const std::vector<float>& after, double most) {
+        const double to = static_cast<double>(here[i]) +
+                          0.5 * static_cast<double>(along[i] * (here[i + 1] - here[i - 1])) +
+                          0.5 * static_cast<double>(across[i] * (after[i] - before[i]));
+        return std::clamp(to, 2.0, most);
+      };
+      const double x = led(u, u_before, u_after, width - 3.0);
+      const double y = led(v, v_before, v_after, height - 3.0);
+      const int iu = static_cast<int>(x), iv = static_cast<int>(y);
+      const double a = x - iu, b = y - iv;
+      const double expected = (1 - b) * ((1 - a) * in.at(iu, iv) + a * in.at(iu + 1, iv)) +
+                              b * ((1 - a) * in.at(iu, iv + 1) + a * in.at(iu + 1, iv + 1));
+      ASSERT_NEAR(out[static_cast<std::size_t>(row - begin)], expected, 3.0) << row;
+      std::uint32_t sum = 0;
+      for (int k = 0; k < 4; ++k)
+        sum += weights[static_cast<std::size_t>(row - begin)] >> (8 * k) & 255U;
+      ASSERT_EQ(sum, 128U);
+    }
+    offsets.resize(end - begin);
+    weights.resize(end - begin);
+    if (first_offsets.empty()) first_offsets = offsets, first_weights = weights;
+    EXPECT_EQ(offsets, first_offsets) << "every target gives the same plan";
+    EXPECT_EQ(weights, first_weights);
   });
 }
 

@@ -73,7 +73,7 @@ TEST(CalibrationState, OdometryIsCorrectedAlongTheArc) {
 TEST(CalibrationState, SlopesOfTheCorrectionAreItsDifferences) {
   const SE2 odometry{0.3, 0.02, 0.2};
   CalibrationVector state = CalibrationVector::Zero();
-  state.tail<3>() << 0.02, -0.03, 0.01;
+  state.segment<3>(I::LogScale) << 0.02, -0.03, 0.01;
   const Eigen::Matrix3d slopes = correctionSlopes(odometry, 1.2, state);
   for (int k = 0; k < 3; ++k) {
     CalibrationVector more = state, less = state;
@@ -106,6 +106,33 @@ TEST(FloorWarp, SeesWhatTheTrueCameraSees) {
   }
 }
 
+/// Both rows are read while the robot goes on: where the camera is then, through matrices.
+TEST(FloorWarp, SeesWhatARollingShutterSees) {
+  const CameraPose stated = statedPose();
+  const StatedCamera camera(stated);
+  const PolarGrid grid = gridOf(stated);
+  const CalibrationVector zero = CalibrationVector::Zero();
+  const SE2 motion{0.2, 0.01, 0.1};
+  const ReadoutOfPair readout{{0.3, 0.02, 0.7}, {0.25, 0.0, -0.4}, 0.03, 0.02};
+  const ReadTimes times{0.35, -0.2};
+  const FloorWarp warp(grid, camera, zero, zero, motion, Eigen::Vector2d::Zero(), readout);
+  const auto after = [](const Velocity& v, double t) { return SE2{v.x * t, v.y * t, v.theta * t}; };
+  const SE2 gone_current = after(readout.current, times.current * readout.current_seconds);
+  const SE2 gone_reference = after(readout.reference, times.reference * readout.reference_seconds);
+  for (const Eigen::Vector2d& p_base : {Eigen::Vector2d(1.0, 0.5), Eigen::Vector2d(1.8, 1.2)}) {
+    const Eigen::Vector2d here = seen(grid, stated, stated, gone_current.inverse() * p_base);
+    const Eigen::Vector2d there =
+        seen(grid, stated, stated, gone_reference.inverse() * (motion * p_base));
+    FloorWarp::Position at;
+    ASSERT_TRUE(warp(statedDirection(grid, camera, zero, here.x(), here.y()), at, times));
+    EXPECT_NEAR(at.row, there.x(), 0.02);
+    EXPECT_NEAR(at.line, there.y(), 0.02);
+    FloorWarp::Position at_once;
+    ASSERT_TRUE(warp(statedDirection(grid, camera, zero, here.x(), here.y()), at_once));
+    EXPECT_GT(std::hypot(at_once.row - there.x(), at_once.line - there.y()), 0.5);
+  }
+}
+
 TEST(FloorWarp, RefusesWhatDoesNotMeetTheFloor) {
   const PolarGrid grid = gridOf(statedPose());
   const StatedCamera camera(statedPose());
@@ -127,8 +154,11 @@ TEST(FloorWarp, SlopesAreItsDifferences) {
     moved.head<4>() += step.head<4>();
     const SE2 motion{0.2 + step[FloorWarp::X], 0.01 + step[FloorWarp::Y],
                      0.1 + step[FloorWarp::Theta]};
-    const FloorWarp warp(grid, camera, moved, in_force, motion, step.tail<2>());
-    EXPECT_TRUE(warp(statedDirection(grid, camera, in_force, row, line), position));
+    const double readout = 0.02 + step[FloorWarp::ReadoutTime];
+    const FloorWarp warp(grid, camera, moved, in_force, motion,
+                         step.segment<2>(FloorWarp::SwayPitch),
+                         {{0.3, 0.02, 0.7}, {0.25, 0.0, -0.4}, readout, readout});
+    EXPECT_TRUE(warp(statedDirection(grid, camera, in_force, row, line), position, {0.35, -0.2}));
     return warp.slopes(position);
   };
   using Step = Eigen::Matrix<double, FloorWarp::count, 1>;

@@ -33,26 +33,18 @@ class GrainedScene {
   /// The robot at a pose, the camera nodded and rolled about its own place.
   [[nodiscard]] Image<std::uint8_t> render(const SE2& T_odom_base,
                                            const sweep::Sway& sway = {}) const {
-    Image<std::uint8_t> picture(camera.width(), camera.height());
-    CameraPose T_odom_camera = CameraPose::Identity();
-    T_odom_camera.rotate(Eigen::AngleAxisd(T_odom_base.theta, Eigen::Vector3d::UnitZ()));
-    T_odom_camera.translation() = Eigen::Vector3d(T_odom_base.x, T_odom_base.y, 0);
-    T_odom_camera = T_odom_camera * T_base_camera;
-    T_odom_camera.linear() =
-        (Eigen::AngleAxisd(T_odom_base.theta, Eigen::Vector3d::UnitZ()) *
-         Eigen::AngleAxisd(sway.pitch, Eigen::Vector3d::UnitY()) *
-         Eigen::AngleAxisd(sway.roll, Eigen::Vector3d::UnitX()) * T_base_camera.linear())
-            .matrix();
-    auto next = rays_.begin();
-    for (int v = 0; v < camera.height(); ++v) {
-      for (int u = 0; u < camera.width(); ++u) {
-        double sum = 0.0;
-        for (int k = 0; k < samples * samples; ++k)
-          sum += grey(T_odom_camera.translation(), T_odom_camera.linear() * *next++);
-        picture.at(u, v) = static_cast<std::uint8_t>(std::lround(sum / (samples * samples)));
-      }
-    }
-    return picture;
+    const CameraPose T_odom_camera = cameraAt(T_odom_base, sway);
+    return render([&](int) { return T_odom_camera; });
+  }
+  /// Row by row while the robot, at a pose when the middle one is read, goes on along an arc.
+  [[nodiscard]] Image<std::uint8_t> render(const SE2& T_odom_base, const Velocity& velocity,
+                                           double readout) const {
+    return render([&](int v) {
+      const double t = readout * (v / (camera.height() - 1.0) - 0.5);
+      const double turn = velocity.theta * t;  // half of it turns the way
+      const SE2 step = SE2{0.0, 0.0, 0.5 * turn} * SE2{velocity.x * t, velocity.y * t, 0.5 * turn};
+      return cameraAt(T_odom_base * step, {});
+    });
   }
   /// Distance of a floor point in odom to the outline of the nearest box.
   [[nodiscard]] double distanceToOutline(const Eigen::Vector2d& p) const {
@@ -69,6 +61,34 @@ class GrainedScene {
 
  private:
   static constexpr int samples = 2;  // a side
+
+  [[nodiscard]] CameraPose cameraAt(const SE2& T_odom_base, const sweep::Sway& sway) const {
+    CameraPose T_odom_camera = CameraPose::Identity();
+    T_odom_camera.rotate(Eigen::AngleAxisd(T_odom_base.theta, Eigen::Vector3d::UnitZ()));
+    T_odom_camera.translation() = Eigen::Vector3d(T_odom_base.x, T_odom_base.y, 0);
+    T_odom_camera = T_odom_camera * T_base_camera;
+    T_odom_camera.linear() =
+        (Eigen::AngleAxisd(T_odom_base.theta, Eigen::Vector3d::UnitZ()) *
+         Eigen::AngleAxisd(sway.pitch, Eigen::Vector3d::UnitY()) *
+         Eigen::AngleAxisd(sway.roll, Eigen::Vector3d::UnitX()) * T_base_camera.linear())
+            .matrix();
+    return T_odom_camera;
+  }
+  template <class PoseOfRow>
+  [[nodiscard]] Image<std::uint8_t> render(const PoseOfRow& poseOfRow) const {
+    Image<std::uint8_t> picture(camera.width(), camera.height());
+    auto next = rays_.begin();
+    for (int v = 0; v < camera.height(); ++v) {
+      const CameraPose T_odom_camera = poseOfRow(v);
+      for (int u = 0; u < camera.width(); ++u) {
+        double sum = 0.0;
+        for (int k = 0; k < samples * samples; ++k)
+          sum += grey(T_odom_camera.translation(), T_odom_camera.linear() * *next++);
+        picture.at(u, v) = static_cast<std::uint8_t>(std::lround(sum / (samples * samples)));
+      }
+    }
+    return picture;
+  }
 
   [[nodiscard]] Eigen::Vector3d ray(double u_raw, double v_raw) const {
     const Intrinsics& k = camera.intrinsics();

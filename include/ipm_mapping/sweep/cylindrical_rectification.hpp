@@ -61,12 +61,12 @@ class CylindricalRectification {
   std::vector<RowRange> ranges_;
   Image<std::int32_t> offsets_;   // of the upper left neighbour in the pair image, bytes
   Image<std::uint32_t> weights_;  // of the four neighbours, one byte each, sum 128
-  Image<float> u_, v_;  // raw pixels
+  Image<float> u_, v_;            // raw pixels
   float readout_per_row_ = 1.0F;
   std::vector<std::int32_t> moved_offsets_;
   std::vector<std::uint32_t> moved_weights_;
-  Image<std::uint8_t> smooth_;    // B
-  Image<std::uint16_t> pairs_;    // B(u, v) | B(u, v + 1) << 8
+  Image<std::uint8_t> smooth_;  // B
+  Image<std::uint16_t> pairs_;  // B(u, v) | B(u, v + 1) << 8
 };
 
 }  // namespace ipm_mapping::sweep

@@ -55,8 +55,7 @@ class FloorPair {
   /// `rectified_with`: the correction that the grid's pose has over the stated one; `rows`: what
   /// the frames show. The rectification has to stay where it is.
   void configure(const CylindricalRectification& rectification, const std::vector<RowRange>& rows,
-                 const StatedCamera& stated,
-                 const CalibrationVector& rectified_with,
+                 const StatedCamera& stated, const CalibrationVector& rectified_with,
                  const CalibrationParameters& parameters, const MotionRefinementParameters& noise);
 
   /// `known` about the state; `start`: where the search begins.

@@ -14,9 +14,7 @@ struct ReadoutOfPair {
   Velocity current, reference;
   double current_seconds = 0.0, reference_seconds = 0.0;
 
-  [[nodiscard]] bool moving() const {
-    return current.moving() || reference.moving();
-  }
+  [[nodiscard]] bool moving() const { return current.moving() || reference.moving(); }
 };
 /// When a place was read in the two views, as shares of the readout before or after the stamp.
 struct ReadTimes {
@@ -39,8 +37,9 @@ class FloorWarp {
   struct Position {
     double row = 0.0, line = 0.0;  ///< in the reference's grid
     Eigen::Vector3d n, v, g;  ///< current direction; floor point from the reference, true, grid
-    double c = 1.0, s = 0.0, tx = 0.0, ty = 0.0;  ///< the motion between the two rows, around the foot
-    Eigen::Vector3d by_readout;                   ///< how that motion moves with the readout time
+    double c = 1.0, s = 0.0, tx = 0.0,
+           ty = 0.0;             ///< the motion between the two rows, around the foot
+    Eigen::Vector3d by_readout;  ///< how that motion moves with the readout time
   };
   using Slopes = Eigen::Matrix<double, 2, count>;  ///< of row and line
 

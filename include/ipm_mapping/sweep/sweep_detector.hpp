@@ -51,6 +51,8 @@ class SweepDetector : public Detector {
   }
   /// The last processed frame may become a reference of later ones.
   [[nodiscard]] bool keptAsReference() const { return kept_; }
+  /// Rolling shutter that is undone, seconds from the first row to the last.
+  [[nodiscard]] double readout() const { return readout_; }
   [[nodiscard]] const PolarGrid& grid() const { return grid_; }
   /// Scores of the last processed frame, candidates x beams.
   [[nodiscard]] ImageView<const float> scores() const { return scores_.score.view(); }
