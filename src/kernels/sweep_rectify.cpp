@@ -92,7 +92,7 @@ HWY_INLINE Vf movedTo(Floats d, const float* here, const float* before, const fl
   return hn::Min(hn::Max(to, hn::Set(d, least)), hn::Set(d, most));
 }
 
-void plan(const RawLine& line, const MovedRows& m, int begin, int end,
+void plan(const RawLine& line, const MovedRows& m, const RawBounds& bounds, int begin, int end,
           std::int32_t* HWY_RESTRICT offsets, std::uint32_t* HWY_RESTRICT weights) {
   const Floats d;
   const Ints di;
@@ -100,13 +100,19 @@ void plan(const RawLine& line, const MovedRows& m, int begin, int end,
   const int lanes = static_cast<int>(hn::Lanes(d));
   const auto all = hn::Set(di, 128);
   const Vf unit = hn::Set(d, 128.0F), half = hn::Set(d, 0.5F);
-  const auto width = hn::Set(di, m.width);
+  const auto width = hn::Set(di, bounds.width);
   for (int i = begin; i < end; i += lanes) {
-    const Vf along = hn::LoadU(d, m.along + i), across = hn::LoadU(d, m.across + i);
-    const Vf u =
-        movedTo(d, line.u, line.u_before, line.u_after, i, along, across, m.least, m.most_u);
-    const Vf v =
-        movedTo(d, line.v, line.v_before, line.v_after, i, along, across, m.least, m.most_v);
+    const Vf nearness = hn::LoadU(d, m.nearness + i);
+    const Vf time =
+        hn::Sub(hn::Mul(hn::LoadU(d, line.v + i), hn::Set(d, bounds.read_per_pixel)), half);
+    const Vf along = hn::Mul(hn::Mul(time, hn::Set(d, m.ahead)), nearness);
+    const Vf lines =
+        hn::Mul(time, hn::Add(hn::Set(d, m.turn), hn::Mul(hn::Set(d, m.aside), nearness)));
+    const Vf across = hn::Min(hn::Max(lines, hn::Set(d, -m.most)), hn::Set(d, m.most));
+    const Vf u = movedTo(d, line.u, line.u_before, line.u_after, i, along, across, bounds.least,
+                         bounds.most_u);
+    const Vf v = movedTo(d, line.v, line.v_before, line.v_after, i, along, across, bounds.least,
+                         bounds.most_v);
     const auto iu = hn::ConvertTo(di, u), iv = hn::ConvertTo(di, v);
     const Vf fu = hn::Sub(u, hn::ConvertTo(d, iu)), fv = hn::Sub(v, hn::ConvertTo(d, iv));
     const auto a = hn::ConvertTo(di, hn::Add(hn::Mul(fu, unit), half));
@@ -141,9 +147,9 @@ void samplePlan(ImageView<const std::uint16_t> pairs, const std::int32_t* offset
   (reinterpret_cast<const std::uint8_t*>(pairs.data), offsets, weights, count, out);
 }
 
-void movedPlan(const RawLine& line, const MovedRows& moved, int begin, int end,
-               std::int32_t* offsets, std::uint32_t* weights) {
-  HWY_DYNAMIC_DISPATCH(plan)(line, moved, begin, end, offsets, weights);
+void movedPlan(const RawLine& line, const MovedRows& moved, const RawBounds& bounds, int begin,
+               int end, std::int32_t* offsets, std::uint32_t* weights) {
+  HWY_DYNAMIC_DISPATCH(plan)(line, moved, bounds, begin, end, offsets, weights);
 }
 }  // namespace ipm_mapping::kernels
 #endif

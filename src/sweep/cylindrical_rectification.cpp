@@ -85,17 +85,14 @@ void CylindricalRectification::load(GrayView raw) {
   kernels::pairRows(smooth_.view(), pairs_.view());
 }
 
-void CylindricalRectification::sampleMoved(int line, RowRange part, const float* along,
-                                           const float* across, std::uint8_t* out) {
+void CylindricalRectification::sampleMoved(int line, RowRange part, const kernels::MovedRows& moved,
+                                           std::uint8_t* out) {
   const kernels::RawLine raw{u_.row(line),     v_.row(line),     u_.row(line - 1),
                              v_.row(line - 1), u_.row(line + 1), v_.row(line + 1)};
-  const kernels::MovedRows moved{along,
-                                 across,
-                                 static_cast<float>(border),
-                                 static_cast<float>(smooth_.width() - 1 - border),
-                                 static_cast<float>(smooth_.height() - 1 - border),
-                                 smooth_.width()};
-  kernels::movedPlan(raw, moved, part.begin, part.end, moved_offsets_.data(),
+  const kernels::RawBounds bounds{
+      static_cast<float>(border), static_cast<float>(smooth_.width() - 1 - border),
+      static_cast<float>(smooth_.height() - 1 - border), readout_per_row_, smooth_.width()};
+  kernels::movedPlan(raw, moved, bounds, part.begin, part.end, moved_offsets_.data(),
                      moved_weights_.data());
   kernels::samplePlan(pairs_.view(), moved_offsets_.data(), moved_weights_.data(), part.size(),
                       out + part.begin);

@@ -36,8 +36,6 @@ void RollingShutter::configure(const CylindricalRectification& rectification,
   nearness_.assign(padded, 0.0F);
   for (int row = 0; row < grid_.rows; ++row)
     nearness_[static_cast<std::size_t>(row)] = static_cast<float>(1.0 / grid_.distance(row));
-  along_.assign(padded, 0.0F);
-  across_.assign(padded, 0.0F);
 }
 
 bool RollingShutter::matters(const Velocity& velocity, double readout) const {
@@ -49,22 +47,16 @@ bool RollingShutter::matters(const Velocity& velocity, double readout) const {
   return time * std::max(turn * grid_.lines_per_radian, way * grid_.rows_per_log) > least_shift;
 }
 
-/// Where the rows of a line are found, rows and lines away.
-void RollingShutter::shiftsOf(const CylindricalRectification& rectification, int line,
-                              const Velocity& foot, double readout) {
+kernels::MovedRows RollingShutter::moved(int line, const Velocity& foot, double readout) const {
   const double azimuth = grid_.azimuth(line), c = std::cos(azimuth), s = std::sin(azimuth);
-  const auto turn = static_cast<float>(grid_.lines_per_radian * readout * foot.theta);
-  const auto aside =
-      static_cast<float>(grid_.lines_per_radian * readout * (c * foot.y - s * foot.x));
-  const auto ahead = static_cast<float>(grid_.rows_per_log * readout * (c * foot.x + s * foot.y));
-  const auto most = static_cast<float>(beside_);
-  const RowRange rows = rows_[static_cast<std::size_t>(line)];
-  for (int row = rows.begin; row < rows.end; ++row) {
-    const auto j = static_cast<std::size_t>(row);
-    const float time = rectification.readTime(row, line);
-    along_[j] = time * nearness_[j] * ahead;
-    across_[j] = std::clamp(time * (turn + nearness_[j] * aside), -most, most);
-  }
+  const double lines = grid_.lines_per_radian * readout, rows = grid_.rows_per_log * readout;
+  kernels::MovedRows m;
+  m.nearness = nearness_.data();
+  m.ahead = static_cast<float>(rows * (c * foot.x + s * foot.y));
+  m.turn = static_cast<float>(lines * foot.theta);
+  m.aside = static_cast<float>(lines * (c * foot.y - s * foot.x));
+  m.most = static_cast<float>(beside_);
+  return m;
 }
 
 void RollingShutter::rectify(CylindricalRectification& rectification, GrayView raw,
@@ -74,9 +66,8 @@ void RollingShutter::rectify(CylindricalRectification& rectification, GrayView r
   rectification.load(raw);
   for (int line = 0; line < grid_.lines; ++line) {
     const RowRange rows = rows_[static_cast<std::size_t>(line)];
-    if (rows.size() == 0) continue;
-    shiftsOf(rectification, line, foot, readout);
-    rectification.sampleMoved(line, rows, along_.data(), across_.data(), rectified.row(line));
+    if (rows.size() > 0)
+      rectification.sampleMoved(line, rows, moved(line, foot, readout), rectified.row(line));
   }
 }
 

@@ -63,9 +63,9 @@ TEST(SweepRectifyKernels, AMovedPlanSamplesWhereRowsAndLinesLead) {
   const auto padded = static_cast<std::size_t>(rows + kernels::overrun);
   std::mt19937 random(2);
   std::uniform_real_distribution<float> unit(0.0F, 1.0F);
-  std::array<std::vector<float>, 8> tables;  // u and v here, before, after; along, across
+  std::array<std::vector<float>, 7> tables;  // u and v here, before, after; nearness
   for (auto& table : tables) table.resize(padded);
-  auto& [u, v, u_before, v_before, u_after, v_after, along, across] = tables;
+  auto& [u, v, u_before, v_before, u_after, v_after, nearness] = tables;
   for (std::size_t i = 0; i < padded; ++i) {
     u[i] = 5.0F + 0.9F * static_cast<float>(i) + unit(random);
     v[i] = 30.0F - 0.4F * static_cast<float>(i) + unit(random);
@@ -73,31 +73,33 @@ TEST(SweepRectifyKernels, AMovedPlanSamplesWhereRowsAndLinesLead) {
     u_after[i] = u[i] + 1.2F;
     v_before[i] = v[i] + 0.2F;
     v_after[i] = v[i] - 0.3F * unit(random);
-    along[i] = 4.0F * unit(random) - 2.0F;
-    across[i] = 10.0F * unit(random) - 5.0F;
+    nearness[i] = 2.0F * unit(random);
   }
   const auto in = noise(width, height, 5);
   Image<std::uint16_t> pairs(width, height);
   kernels::pairRows(in.view(), pairs.view());
   const kernels::RawLine line{u.data(),        v.data(),       u_before.data(),
                               v_before.data(), u_after.data(), v_after.data()};
-  const kernels::MovedRows moved{along.data(), across.data(), 2.0F,
-                                 width - 3.0F, height - 3.0F, width};
+  const kernels::MovedRows moved{nearness.data(), 5.0F, 12.0F, -7.0F, 4.0F};
+  const kernels::RawBounds bounds{2.0F, width - 3.0F, height - 3.0F, 1.0F / (height - 1), width};
   std::vector<std::int32_t> first_offsets;
   std::vector<std::uint32_t> first_weights;
   withEverySweepTarget([&] {
     std::vector<std::int32_t> offsets(padded);
     std::vector<std::uint32_t> weights(padded);
-    kernels::movedPlan(line, moved, begin, end, offsets.data(), weights.data());
+    kernels::movedPlan(line, moved, bounds, begin, end, offsets.data(), weights.data());
     std::vector<std::uint8_t> out(padded);
     kernels::samplePlan(pairs.view(), offsets.data(), weights.data(), end - begin, out.data());
     for (int row = begin; row < end; ++row) {
       const auto i = static_cast<std::size_t>(row);
+      const double time = static_cast<double>(v[i]) / (height - 1) - 0.5;
+      const double near = static_cast<double>(nearness[i]), along = 5.0 * time * near;
+      const double across = std::clamp(time * (12.0 - 7.0 * near), -4.0, 4.0);
       const auto led = [&](const std::vector<float>& here, const std::vector<float>& before,
                            const std::vector<float>& after, double most) {
         const double to = static_cast<double>(here[i]) +
-                          0.5 * static_cast<double>(along[i] * (here[i + 1] - here[i - 1])) +
-                          0.5 * static_cast<double>(across[i] * (after[i] - before[i]));
+                          0.5 * along * static_cast<double>(here[i + 1] - here[i - 1]) +
+                          0.5 * across * static_cast<double>(after[i] - before[i]);
         return std::clamp(to, 2.0, most);
       };
       const double x = led(u, u_before, u_after, width - 3.0);

@@ -112,7 +112,7 @@ TEST(FloorWarp, SeesWhatARollingShutterSees) {
   const StatedCamera camera(stated);
   const PolarGrid grid = gridOf(stated);
   const CalibrationVector zero = CalibrationVector::Zero();
-  const SE2 motion{0.2, 0.01, 0.1};
+  const SE2 motion{0.2, -0.25, 0.1};
   const ReadoutOfPair readout{{0.3, 0.02, 0.7}, {0.25, 0.0, -0.4}, 0.03, 0.02};
   const ReadTimes times{0.35, -0.2};
   const FloorWarp warp(grid, camera, zero, zero, motion, Eigen::Vector2d::Zero(), readout);

@@ -16,9 +16,10 @@ namespace {
 
 using Picture = Image<std::uint8_t>;
 
+/// The camera stands far from where the robot turns about.
 class Undone : public ::testing::TestWithParam<std::pair<Velocity, double>> {
  protected:
-  Undone() : scene(test::smallCamera(), test::smallCameraPose()) {
+  Undone() : scene(test::smallCamera(), cameraPose(0.4, -0.2, 0.45, 0.42)) {
     const PolarGrid grid =
         makePolarGrid(scene.camera, scene.T_base_camera, test::smallParameters().grid, 2.0);
     rectification.configure(scene.camera, scene.T_base_camera, grid);

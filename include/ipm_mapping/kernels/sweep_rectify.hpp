@@ -22,17 +22,22 @@ struct RawLine {
   const float *u_before = nullptr, *v_before = nullptr;
   const float *u_after = nullptr, *v_after = nullptr;
 };
-/// Plan for samplePlan() of rows begin ... end - 1 of a line, each taken `along` rows and `across`
-/// lines away, linear in both: rows begin - 1 and end are read too. Pixels stay within
-/// [least, most_u] x [least, most_v]; `width` of the image. Entry i of the plan is row begin + i;
-/// up to `overrun` more are written. Weights are products of fractions in 1/128.
+/// How the rows of a line are moved that were read t = v read_per_pixel - 1/2 after the stamp:
+///   t ahead nearness[row] rows,   t (turn + aside nearness[row]) lines, at most `most`.
 struct MovedRows {
-  const float *along = nullptr, *across = nullptr;
-  float least = 0.0F, most_u = 0.0F, most_v = 0.0F;
+  const float* nearness = nullptr;
+  float ahead = 0.0F, turn = 0.0F, aside = 0.0F, most = 0.0F;
+};
+/// The image that is sampled: pixels stay within [least, most_u] x [least, most_v].
+struct RawBounds {
+  float least = 0.0F, most_u = 0.0F, most_v = 0.0F, read_per_pixel = 0.0F;
   int width = 0;
 };
-void movedPlan(const RawLine& line, const MovedRows& moved, int begin, int end,
-               std::int32_t* offsets, std::uint32_t* weights);
+/// Plan for samplePlan() of rows begin ... end - 1 of a moved line, linear in rows and lines: rows
+/// begin - 1 and end are read too. Entry i of the plan is row begin + i; up to `overrun` more are
+/// written. Weights are products of fractions in 1/128.
+void movedPlan(const RawLine& line, const MovedRows& moved, const RawBounds& bounds, int begin,
+               int end, std::int32_t* offsets, std::uint32_t* weights);
 
 /// out[i] = (sum over k of byte k of the 4 bytes at pairs + offsets[i] times byte k of weights[i]
 /// + 64) >> 7. The weights of one sample sum to 128; every 4 bytes lie inside the pair image.

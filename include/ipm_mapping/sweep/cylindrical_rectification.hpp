@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "ipm_mapping/image_view.hpp"
+#include "ipm_mapping/kernels/sweep_rectify.hpp"
 #include "ipm_mapping/sweep/polar_grid.hpp"
 
 namespace ipm_mapping::sweep {
@@ -36,10 +37,9 @@ class CylindricalRectification {
 
   /// What rectify() begins with; after it single lines can be had.
   void load(GrayView raw);
-  /// Rows `part` of a line as they are seen `along` rows and `across` lines away, arrays of a whole
-  /// line. Both lines beside it and both rows beside the part have to be in view.
-  void sampleMoved(int line, RowRange part, const float* along, const float* across,
-                   std::uint8_t* out);
+  /// Rows `part` of a line, moved. Both lines beside it and both rows beside the part have to be in
+  /// view.
+  void sampleMoved(int line, RowRange part, const kernels::MovedRows& moved, std::uint8_t* out);
 
   /// `raw` has the calibrated size. Rows outside rows(line) are left as they are.
   void rectify(GrayView raw, ImageView<std::uint8_t> rectified);

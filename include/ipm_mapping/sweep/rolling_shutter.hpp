@@ -39,16 +39,14 @@ class RollingShutter {
   static constexpr double fastest_turn = 0.8;  ///< radians per second
 
  private:
-  void shiftsOf(const CylindricalRectification& rectification, int line, const Velocity& foot,
-                double readout);
+  [[nodiscard]] kernels::MovedRows moved(int line, const Velocity& foot, double readout) const;
 
   PolarGrid grid_;
   std::vector<RowRange> rows_;
   Eigen::Vector2d foot_ = Eigen::Vector2d::Zero();
   double longest_ = 0.0;
   int beside_ = 0;
-  std::vector<float> nearness_;        // 1 / distance of the rows
-  std::vector<float> along_, across_;  // of the rows of a line
+  std::vector<float> nearness_;  // 1 / distance of the rows
 };
 
 }  // namespace ipm_mapping::sweep

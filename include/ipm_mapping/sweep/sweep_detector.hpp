@@ -34,6 +34,8 @@ class SweepDetector : public Detector {
  public:
   explicit SweepDetector(const SweepParameters& parameters = {},
                          const CalibrationParameters& calibration = {});
+  SweepDetector(const SweepDetector&) = delete;  // its parts know one another
+  SweepDetector& operator=(const SweepDetector&) = delete;
 
   void setCamera(const CameraModel& camera, const CameraPose& T_base_camera) override;
   /// Keeps what was learnt about the camera, applied or not, and what stands below the view.
