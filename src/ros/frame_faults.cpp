@@ -103,13 +103,16 @@ std::string explain(FrameStatus status) {
   return "no answer";
 }
 
+std::string dropConcern(const RunReport& report, const BagTopics& topics) {
+  const CountedReasons reasons = faultsOf(report, topics);
+  if (reasons.total() == 0) return "";
+  return sentence(reasons.total(), " of ", report.images, " frames dropped: ", reasons.words(),
+                  odometryFaults(report, topics));
+}
+
 std::string frameConcern(const RunReport& report, const BagTopics& topics) {
+  if (report.used() > 0) return dropConcern(report, topics);
   CountedReasons reasons = faultsOf(report, topics);
-  if (report.used() > 0)
-    return reasons.total() == 0
-               ? ""
-               : sentence(reasons.total(), " of ", report.images,
-                          " frames dropped: ", reasons.words(), odometryFaults(report, topics));
   addAnswers(report, false, reasons);
   return sentence("none of ", report.images, " frames used: ", reasons.words(),
                   odometryFaults(report, topics));

@@ -10,6 +10,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "ipm_mapping/ros/bag_arguments.hpp"
+#include "ipm_mapping/ros/frame_faults.hpp"
 #include "ipm_mapping/ros/live_run.hpp"
 #include "ipm_mapping/ros/offline_run.hpp"
 #include "ipm_mapping/sweep/camera_check.hpp"
@@ -66,11 +67,19 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
+/// Where the stated pose comes from, and which frames were lost through a fault; empty if none.
+struct CheckedRun {
+  std::string stated_from, lost;
+};
+
 /// What cannot be judged is an input error, in one line that says what to do.
 CalibrationReport requireEstimate(const sweep::CameraCheck& check,
-                                  const CalibrationParameters& parameters) {
+                                  const CalibrationParameters& parameters,
+                                  const std::string& lost) {
   if (check.camera().width() == 0) throw BagError("no frame with a known camera came");
   const CalibrationReport report = *check.calibration();
+  if (report.pairs < parameters.least_pairs && !lost.empty())
+    throw BagError(formatted("only %d pairs of frames could be compared: ", report.pairs) + lost);
   if (report.pairs < parameters.least_pairs)
     throw BagError(formatted(
         "not enough floor motion: %d pairs of frames could be compared, %d are needed; drive a "
@@ -142,23 +151,25 @@ void writePicture(const CalibrationReport& r, const sweep::CameraCheck& check,
   std::printf("picture: %s\n", path.c_str());
 }
 
-/// Returns where the stated pose comes from.
-std::string runOnBag(const OfflineOptions& options, sweep::CameraCheck& check) {
+CheckedRun runOnBag(const OfflineOptions& options, sweep::CameraCheck& check) {
   const BagSource bag(options.bag, options.topics);
   const RunCamera camera = resolveCamera(bag, options);
   OfflineRun run(bag, camera, options.parameters, check);
   run.run({});
   requireImages(run.report());
   printWarning(std::cout, camera.concern);
-  return camera.pose_source;
+  return {camera.pose_source, dropConcern(run.report(), bag.topics())};
 }
 
 void runOn(const Arguments& a) {
   sweep::CameraCheck check(a.options.parameters.sweep, a.options.parameters.calibration);
-  const std::string stated_from = a.live ? runLive("check_camera", a.options, a.live_options, check)
-                                         : runOnBag(a.options, check);
-  const CalibrationReport report = requireEstimate(check, a.options.parameters.calibration);
-  std::printf("stated_pose_from: %s\n", stated_from.c_str());
+  const CheckedRun run =
+      a.live ? CheckedRun{runLive("check_camera", a.options, a.live_options, check), ""}
+             : runOnBag(a.options, check);
+  const CalibrationReport report =
+      requireEstimate(check, a.options.parameters.calibration, run.lost);
+  printWarning(std::cout, run.lost);
+  std::printf("stated_pose_from: %s\n", run.stated_from.c_str());
   printReport(report, check);
   writePicture(report, check, a.out);
 }

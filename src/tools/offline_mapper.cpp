@@ -191,7 +191,10 @@ class FpgaFiles {
       : model_(dynamic_cast<const FpgaDetector*>(&detector)),
         statistics_(a.options.parameters.fpga_clock),
         path_(a.out + "/fifo.bin") {
-    if (model_ == nullptr) return;
+    if (model_ == nullptr) {
+      std::filesystem::remove(path_);  // of an earlier run: it would pass for this one's
+      return;
+    }
     if (model_->cameraError()) throw BagError(*model_->cameraError());
     fifo_.open(path_, std::ios::binary);
   }

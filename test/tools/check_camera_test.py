@@ -124,6 +124,20 @@ class CheckCamera(unittest.TestCase):
                        picture=lambda _: np.full((bags.HEIGHT, bags.WIDTH), 110, np.uint8))
         self.refused(3, "texture", plain, pose)
 
+    def test_odometry_that_is_of_no_use_is_not_taken_for_a_robot_that_stands(self):
+        pose = "--camera-pose=0,0,%g,%g" % (bags.CAMERA_HEIGHT, bags.PITCH)
+        early = os.path.join(self.folder.name, "early.bag")
+        bags.write_bag(early, info=True, frames=FRAMES, picture=textured_floor, clock=1000.0)
+        self.refused(3, "older than all odometry on /odom", early, pose)
+        late = os.path.join(self.folder.name, "late.bag")
+        bags.write_bag(late, info=True, frames=FRAMES, picture=textured_floor, clock=0.15)
+        self.assertIn("warning: 2 of %d frames dropped" % FRAMES, self.run_it(late, pose).stdout)
+
+    def test_tells_how_long_the_camera_reads(self):
+        readout, sigma, stated = self.value("readout_ms", self.check(0.0, 0.0))
+        self.assertLess(abs(readout), 3.0 * sigma)
+        self.assertEqual(stated, 0.0)
+
     def test_a_pose_that_is_far_off_is_not_guessed(self):
         result = self.run_it(self.bag, "--set", "calibration/max_tilt=0.002",
                              "--camera-pose=0,0,%g,%g" % (bags.CAMERA_HEIGHT, bags.PITCH + 0.03))

@@ -228,7 +228,6 @@ class OfflineMapper(unittest.TestCase):
         write_bag(self.bag, info=True)
         _, named = self.results("--fpga", "--overlays", "3")
         self.assertEqual(named, sorted(os.listdir(self.out)))
-        os.remove(os.path.join(self.out, "fifo.bin"))
         write_bag(self.bag, info=True, still=True)
         _, named = self.results("--overlays", "3")
         self.assertFalse({"overlay.png", "overlays", "fifo.bin"} & set(named), named)

@@ -17,6 +17,9 @@ struct RunReport;
 /// Why a detector gave no answer.
 [[nodiscard]] std::string explain(FrameStatus status);
 
+/// Frames of a run that were lost through a fault, as a sentence with counts; empty where none was.
+[[nodiscard]] std::string dropConcern(const RunReport& report, const BagTopics& topics);
+
 /// What went wrong with the frames of a run, as a sentence with counts; empty where all that were
 /// not used were left out for good reasons and some were used.
 [[nodiscard]] std::string frameConcern(const RunReport& report, const BagTopics& topics);
