@@ -8,7 +8,8 @@ namespace {
 
 using I = CalibrationIndex;
 
-constexpr double known_readout = 1e-6;  // seconds: how well, if it is not to be learnt
+constexpr double known_readout = 1e-6;   // seconds: how well, if it is not to be learnt
+constexpr double longest_readout = 0.1;  // seconds
 
 }  // namespace
 
@@ -170,8 +171,9 @@ bool SelfCalibration::worthApplying() const {
 
 bool SelfCalibration::readoutDiffers(double in_force) const {
   const double change = std::abs(readout() - in_force);
-  return learnt_.pairs > 0 && change > std::max(parameters_.apply_readout,
-                                                parameters_.readout_sigmas * sigma(I::ReadoutTime));
+  const double surely = parameters_.readout_sigmas * sigma(I::ReadoutTime);
+  return learnt_.pairs > 0 && bounded() && std::abs(readout()) <= longest_readout &&
+         change > std::max(parameters_.apply_readout, surely);
 }
 
 Sway SelfCalibration::remainingTilt() const {
