@@ -74,8 +74,13 @@ bool FrameSource::starting() const {
 
 /// A wrong topic is the commonest mistake, and a silent one.
 void FrameSource::remindOfImages() {
-  if (next_index_ > 0 || (ros::WallTime::now() - started_).toSec() < silence) return;
-  monitor_.warn("nothing comes in on " + images_.topic(), repeat_silence);
+  const ros::WallTime now = ros::WallTime::now();
+  if (next_index_ > 0 || (now - started_).toSec() < silence || now < next_reminder_) return;
+  next_reminder_ = now + ros::WallDuration(repeat_silence);
+  const std::string other = images_.transportToTry();
+  monitor_.warn("nothing comes in on " + images_.topic() +
+                    (other.empty() ? "" : ": set image_transport to " + other),
+                repeat_silence);
 }
 
 void FrameSource::restart(const char* why) {

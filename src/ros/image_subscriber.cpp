@@ -48,6 +48,18 @@ void ImageSubscriber::startDecoding() {
       });
 }
 
+std::string ImageSubscriber::transportToTry() const {
+  ros::master::V_TopicInfo published;
+  if (!ros::master::getTopics(published)) return "";
+  for (const std::string transport : {"compressed", "raw"}) {
+    const std::string topic = transport == "raw" ? base_ : base_ + "/" + transport;
+    if (topic == topic_) continue;
+    for (const ros::master::TopicInfo& info : published)
+      if (info.name == topic) return transport;
+  }
+  return "";
+}
+
 void ImageSubscriber::stop() {
   through_transport_.shutdown();
   decoded_here_.shutdown();

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 #include <rosgraph_msgs/Log.h>
+#include <sensor_msgs/CompressedImage.h>
 
 #include <algorithm>
 #include <cmath>
@@ -117,9 +118,14 @@ int WhatDiagnosticsSay::frame = 0;
 
 /// A wrong topic, as a rule.
 TEST_F(WhatDiagnosticsSay, NothingEverComes) {
+  // somebody sends them, but in another form
+  const ros::Publisher compressed =
+      ros::NodeHandle().advertise<sensor_msgs::CompressedImage>("/robot/image_raw/compressed", 1);
   EXPECT_TRUE(waitFor(
       [&] {
-        return saidOnTheConsole("piece/detector", "nothing comes in on /robot/image_raw") &&
+        return saidOnTheConsole("piece/detector",
+                                "nothing comes in on /robot/image_raw: set image_transport to "
+                                "compressed") &&
                saidOnTheConsole("chain/ipm", "nothing comes in on /robot/image_raw");
       },
       30.0));

@@ -96,6 +96,7 @@ class FrameSource {
   ros::WallTimer pumper_;
   WaitingClock waiting_clock_;
   ros::WallTime started_;
+  ros::WallTime next_reminder_;
   SequenceGaps gaps_;
   bool any_pose_ = false;  // for a frame since then
   double newest_image_ = 0.0;

@@ -39,6 +39,9 @@ class ImageSubscriber {
   void stop();
   /// Topic that is (or would be) subscribed to.
   [[nodiscard]] const std::string& topic() const { return topic_; }
+  /// Another transport by which somebody offers these images; empty if nobody does. Asks the
+  /// master.
+  [[nodiscard]] std::string transportToTry() const;
 
  private:
   bool startTransport();
