@@ -111,7 +111,7 @@ PoseAnswer OdometryBuffer::at(double stamp, SE2& T_odom_base) const {
 }
 
 Velocity OdometryBuffer::velocity(double stamp) const {
-  constexpr double span = 0.05;
+  constexpr double span = 0.05, least_window = 0.005;  // seconds
   auto after = std::lower_bound(poses_.begin(), poses_.end(), stamp,
                                 [](const StampedPose& pose, double t) { return pose.stamp < t; });
   if (after == poses_.end() || poses_.size() < 2) return {};
@@ -125,7 +125,7 @@ Velocity OdometryBuffer::velocity(double stamp) const {
       --before;
   }
   const double seconds = after->stamp - before->stamp;
-  if (!(seconds > 0.0)) return {};
+  if (seconds < least_window || seconds > parameters_.max_gap) return {};
   const Eigen::Vector3d v = logarithm(before->T_odom_base.inverse() * after->T_odom_base) / seconds;
   return {v.x(), v.y(), v.z()};
 }

@@ -105,7 +105,8 @@ void plan(const RawLine& line, const MovedRows& m, const RawBounds& bounds, int 
     const Vf nearness = hn::LoadU(d, m.nearness + i);
     const Vf time =
         hn::Sub(hn::Mul(hn::LoadU(d, line.v + i), hn::Set(d, bounds.read_per_pixel)), half);
-    const Vf along = hn::Mul(hn::Mul(time, hn::Set(d, m.ahead)), nearness);
+    const Vf rows = hn::Mul(hn::Mul(time, hn::Set(d, m.ahead)), nearness);
+    const Vf along = hn::Min(hn::Max(rows, hn::Set(d, -m.most_rows)), hn::Set(d, m.most_rows));
     const Vf lines =
         hn::Mul(time, hn::Add(hn::Set(d, m.turn), hn::Mul(hn::Set(d, m.aside), nearness)));
     const Vf across = hn::Min(hn::Max(lines, hn::Set(d, -m.most)), hn::Set(d, m.most));

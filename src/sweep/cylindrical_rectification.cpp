@@ -98,10 +98,11 @@ void CylindricalRectification::sampleMoved(int line, RowRange part, const kernel
                       out + part.begin);
 }
 
-void CylindricalRectification::rectify(GrayView raw, ImageView<std::uint8_t> rectified) {
+void CylindricalRectification::rectify(GrayView raw, const std::vector<RowRange>& rows,
+                                       ImageView<std::uint8_t> rectified) {
   load(raw);
   for (int line = 0; line < grid_.lines; ++line) {
-    const RowRange range = rows(line);
+    const RowRange range = rows[static_cast<std::size_t>(line)];
     kernels::samplePlan(pairs_.view(), offsets_.row(line) + range.begin,
                         weights_.row(line) + range.begin, range.size(),
                         rectified.row(line) + range.begin);

@@ -25,12 +25,16 @@ void RollingShutter::configure(const CylindricalRectification& rectification,
   longest_ = std::abs(longest);
   beside_ = static_cast<int>(std::ceil(half * longest_ * fastest_turn * grid_.lines_per_radian));
   rows_ = rectification.ranges();
+  below_ = 0;
   if (beside_ > 0) {
+    below_ = static_cast<int>(std::ceil(half * longest_ * fastest_way * grid_.rows_per_log /
+                                        grid_.distance(grid_.rows - 1)));
     const std::vector<RowRange> shared = commonRows(rows_, 2 * beside_ + 1);
     rows_.assign(rows_.size(), {});
-    for (std::size_t i = 0; i < shared.size(); ++i)
-      if (shared[i].size() > 2)
-        rows_[i + static_cast<std::size_t>(beside_)] = {shared[i].begin + 1, shared[i].end - 1};
+    for (std::size_t i = 0; i < shared.size(); ++i) {
+      const RowRange spared{shared[i].begin + 1, shared[i].end - 1 - below_};
+      if (spared.size() > 0) rows_[i + static_cast<std::size_t>(beside_)] = spared;
+    }
   }
   const auto padded = static_cast<std::size_t>(grid_.rows + kernels::overrun);
   nearness_.assign(padded, 0.0F);
@@ -38,13 +42,32 @@ void RollingShutter::configure(const CylindricalRectification& rectification,
     nearness_[static_cast<std::size_t>(row)] = static_cast<float>(1.0 / grid_.distance(row));
 }
 
-bool RollingShutter::matters(const Velocity& velocity, double readout) const {
-  if (readout == 0.0 || grid_.rows == 0) return false;
+RollingShutter::Shift RollingShutter::most(const Velocity& velocity, double readout) const {
   const Velocity foot = ofFoot(velocity, foot_);
   const double time = half * std::abs(readout), nearest = grid_.distance(grid_.rows - 1);
-  const double turn = std::abs(foot.theta) + std::abs(foot.y) / nearest;
   const double way = std::hypot(foot.x, foot.y) / nearest;
-  return time * std::max(turn * grid_.lines_per_radian, way * grid_.rows_per_log) > least_shift;
+  return {time * (std::abs(foot.theta) + std::abs(foot.y) / nearest) * grid_.lines_per_radian,
+          time * way * grid_.rows_per_log};
+}
+
+bool RollingShutter::matters(const Velocity& velocity, double readout) const {
+  if (readout == 0.0 || grid_.rows == 0) return false;
+  const Shift shift = most(velocity, readout);
+  return std::max(shift.lines, shift.rows) > least_shift;
+}
+
+bool RollingShutter::reaches(const Velocity& velocity, double readout) const {
+  const Shift shift = most(velocity, readout);
+  return shift.lines <= beside_ + least_shift && shift.rows <= below_ + 1.0;
+}
+
+void RollingShutter::blankOutside(Image<std::uint8_t>& image) const {
+  for (int line = 0; line < grid_.lines; ++line) {
+    const RowRange rows = rows_[static_cast<std::size_t>(line)];
+    std::uint8_t* pixels = image.row(line);
+    std::fill(pixels, pixels + rows.begin, std::uint8_t{0});
+    std::fill(pixels + std::max(rows.begin, rows.end), pixels + grid_.rows, std::uint8_t{0});
+  }
 }
 
 kernels::MovedRows RollingShutter::moved(int line, const Velocity& foot, double readout) const {
@@ -56,6 +79,7 @@ kernels::MovedRows RollingShutter::moved(int line, const Velocity& foot, double 
   m.turn = static_cast<float>(lines * foot.theta);
   m.aside = static_cast<float>(lines * (c * foot.y - s * foot.x));
   m.most = static_cast<float>(beside_);
+  m.most_rows = static_cast<float>(below_ + 1);
   return m;
 }
 

@@ -63,7 +63,7 @@ bool SelfCalibration::due(const RectifiedFrame& current) const {
   const CalibrationParameters& p = parameters_;
   const bool telling = parameters_.learn_readout &&
                        std::abs(current.velocity.theta) > p.readout_turn &&
-                       sigma(I::ReadoutTime) > p.apply_readout;
+                       sigma(I::ReadoutTime) > p.readout_known;
   const double spacing = telling ? stated_.height * p.short_baseline
                          : confident() && !learnt_.height_in_doubt
                              ? stated_.height * p.settled_spacing
@@ -79,8 +79,9 @@ CalibrationInformation SelfCalibration::known() const {
 
 bool SelfCalibration::offer(const RectifiedFrame& current, const ReferenceRing& ring) {
   if (!due(current)) return false;
+  if (current.sheared) return false;
   reference_ = ring.find(current.T_odom_base, current.stamp, baseline());
-  if (reference_ == nullptr) return false;
+  if (reference_ == nullptr || reference_->sheared) return false;
   seen_any_ = true;
   last_pair_ = current.T_odom_base;
   compare({current, *reference_});

@@ -24,19 +24,25 @@ void SweepDetector::rectifyWith(const CalibrationVector& correction) {
   calibration_.configure(rectification_, shutter_.rows(), correction);
 }
 
-/// What the view has to spare at its sides; in steps, so that it is rarely compiled anew.
+/// What the view has to spare at its edges; in steps, so that it is rarely compiled anew.
 double SweepDetector::longestReadout() const {
   constexpr double step = 0.015;
   return step * std::ceil(std::abs(readout_) / step);
 }
 
 /// A readout time changes nothing about where things are said to be: it is always put into force.
-/// Frames of before keep what was undone in them.
 void SweepDetector::applyReadout() {
-  if (!learn_readout_ || !calibration_.readoutDiffers(readout_)) return;
-  readout_ = calibration_.readout();
-  if (longestReadout() == shutter_.longest()) return;
+  if (learn_readout_ && calibration_.readoutDiffers(readout_)) workWith(calibration_.readout());
+}
+
+/// Frames of before keep what was undone in them, and lose what the view no longer shows; room that
+/// was made is kept.
+void SweepDetector::workWith(double readout) {
+  readout_ = readout;
+  if (longestReadout() <= shutter_.longest()) return;
   configureView();
+  shutter_.blankOutside(current_.image);
+  ring_.forEachImage([this](Image<std::uint8_t>& image) { shutter_.blankOutside(image); });
   calibration_.configure(rectification_, shutter_.rows(), calibration_.inForce());
 }
 
@@ -46,10 +52,10 @@ bool SweepDetector::adopt(const Detector& before) {
   if (other == nullptr || other->camera_.width() == 0) return false;
   setCamera(other->camera_, other->T_base_stated_);
   const CalibrationVector& in_force = other->calibration_.inForce();
-  if (calibration_.adopt(other->calibration_) && calibration_mode_ == CalibrationMode::Apply &&
-      !in_force.isZero())
+  const bool known = calibration_.adopt(other->calibration_);
+  if (known && calibration_mode_ == CalibrationMode::Apply && !in_force.isZero())
     rectifyWith(in_force);
-  applyReadout();
+  if (known && learn_readout_) workWith(other->readout_);
   free_floor_.adopt(other->free_floor_);
   T_odom_last_ = other->T_odom_last_;
   T_floor_last_ = other->T_floor_last_;

@@ -47,6 +47,15 @@ void SweepDetector::configure(const CameraPose& T_base_camera) {
   ring_.configure(grid_, parameters_.reference);
   configureView();
   allocate();
+  selection_.configure(sweep_, grid_.height, parameters_.selection);
+  level_top_.configure(sweep_, parameters_.selection);
+  leaning_.configure(parameters_.selection);
+  free_floor_.configure(parameters_.free_floor);
+  edge_.configure(parameters_.selection);
+  straight_foot_.configure(sweep_, parameters_.free_floor, parameters_.foot);
+  remembered_foot_.configure(sweep_, parameters_.free_floor, parameters_.foot);
+  lone_contact_.configure(sweep_, parameters_.selection);
+  plain_edge_.configure(sweep_, parameters_.free_floor, parameters_.foot);
 }
 
 /// Everything that depends on how much of the view can be worked with.
@@ -63,15 +72,6 @@ void SweepDetector::configureView() {
   floor_cost_.configure(grid_, rows, parameters_.evidence);
   sweep_.configure(grid_, rows, noise_.sweepRows(), parameters_.grid.max_support,
                    parameters_.evidence);
-  selection_.configure(sweep_, grid_.height, parameters_.selection);
-  level_top_.configure(sweep_, parameters_.selection);
-  leaning_.configure(parameters_.selection);
-  free_floor_.configure(parameters_.free_floor);
-  edge_.configure(parameters_.selection);
-  straight_foot_.configure(sweep_, parameters_.free_floor, parameters_.foot);
-  remembered_foot_.configure(sweep_, parameters_.free_floor, parameters_.foot);
-  lone_contact_.configure(sweep_, parameters_.selection);
-  plain_edge_.configure(sweep_, parameters_.free_floor, parameters_.foot);
 }
 
 void SweepDetector::allocate() {
@@ -107,11 +107,13 @@ void SweepDetector::reset() {
 
 void SweepDetector::rectify(const Frame& frame) {
   current_.velocity = frame.velocity;
-  current_.readout = readout_;
-  if (shutter_.matters(frame.velocity, readout_))
+  const bool undo = shutter_.matters(frame.velocity, readout_);
+  current_.readout = undo ? readout_ : 0.0;
+  current_.sheared = undo && !shutter_.reaches(frame.velocity, readout_);
+  if (undo)
     shutter_.rectify(rectification_, frame.image, frame.velocity, readout_, current_.image.view());
   else
-    rectification_.rectify(frame.image, current_.image.view());
+    rectification_.rectify(frame.image, shutter_.rows(), current_.image.view());
 }
 
 void SweepDetector::lap(const char* stage) {
@@ -190,15 +192,16 @@ FrameStatus SweepDetector::findReferences(const Frame& frame) {
     return FrameStatus::NoMotion;
   seen_any_ = true;
   last_used_ = pose;
-  const double near = p.short_baseline * grid_.height;
-  const double far =
-      p.long_baseline > 0.0 ? std::max(p.long_baseline * grid_.height, p.least_long_baseline) : 0.0;
-  for (const double baseline : {near, far}) {
-    if (baseline <= 0.0) continue;
+  const double height = grid_.height, longer = p.long_baseline * height;
+  const auto take = [&](double baseline) {
     const RectifiedFrame* found = ring_.find(pose, frame.stamp, baseline);
-    if (found == nullptr || (reference_count_ > 0 && found == references_[0])) continue;
+    if (found == nullptr || (reference_count_ > 0 && found == references_[0])) return false;
     references_[static_cast<std::size_t>(reference_count_++)] = found;
-  }
+    return true;
+  };
+  take(p.short_baseline * height);
+  // what the history does not reach back to is better than nothing
+  if (p.long_baseline > 0.0 && !take(std::max(longer, p.least_long_baseline))) take(longer);
   if (reference_count_ > 0) return FrameStatus::Used;
   return ring_.farEnough(pose, frame.stamp, p.short_baseline * grid_.height)
              ? FrameStatus::TooMuchRotation

@@ -78,13 +78,12 @@ CalibrationReport requireEstimate(const sweep::CameraCheck& check,
                                   const std::string& lost) {
   if (check.camera().width() == 0) throw BagError("no frame with a known camera came");
   const CalibrationReport report = *check.calibration();
-  if (report.pairs < parameters.least_pairs && !lost.empty())
-    throw BagError(formatted("only %d pairs of frames could be compared: ", report.pairs) + lost);
   if (report.pairs < parameters.least_pairs)
-    throw BagError(formatted(
-        "not enough floor motion: %d pairs of frames could be compared, %d are needed; drive a "
-        "metre or more over floor that has some texture",
-        report.pairs, parameters.least_pairs));
+    throw BagError(
+        formatted("not enough floor motion: %d pairs of frames could be compared, %d are "
+                  "needed; drive a metre or more over floor that has some texture",
+                  report.pairs, parameters.least_pairs) +
+        (lost.empty() ? "" : "; " + lost));
   if (!report.believable)
     throw BagError(
         formatted("the floor says pitch %.1f deg and height %.2f m, too far from the "

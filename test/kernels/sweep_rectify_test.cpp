@@ -80,7 +80,7 @@ TEST(SweepRectifyKernels, AMovedPlanSamplesWhereRowsAndLinesLead) {
   kernels::pairRows(in.view(), pairs.view());
   const kernels::RawLine line{u.data(),        v.data(),       u_before.data(),
                               v_before.data(), u_after.data(), v_after.data()};
-  const kernels::MovedRows moved{nearness.data(), 5.0F, 12.0F, -7.0F, 4.0F};
+  const kernels::MovedRows moved{nearness.data(), 5.0F, 12.0F, -7.0F, 4.0F, 3.0F};
   const kernels::RawBounds bounds{2.0F, width - 3.0F, height - 3.0F, 1.0F / (height - 1), width};
   std::vector<std::int32_t> first_offsets;
   std::vector<std::uint32_t> first_weights;
@@ -93,7 +93,8 @@ TEST(SweepRectifyKernels, AMovedPlanSamplesWhereRowsAndLinesLead) {
     for (int row = begin; row < end; ++row) {
       const auto i = static_cast<std::size_t>(row);
       const double time = static_cast<double>(v[i]) / (height - 1) - 0.5;
-      const double near = static_cast<double>(nearness[i]), along = 5.0 * time * near;
+      const double near = static_cast<double>(nearness[i]),
+                   along = std::clamp(5.0 * time * near, -3.0, 3.0);
       const double across = std::clamp(time * (12.0 - 7.0 * near), -4.0, 4.0);
       const auto led = [&](const std::vector<float>& here, const std::vector<float>& before,
                            const std::vector<float>& after, double most) {

@@ -35,7 +35,8 @@ class OdometryBuffer {
   OdometryVerdict add(double stamp, const SE2& T_odom_base);
   /// Pose at `stamp` into `T_odom_base` when the answer is Known.
   PoseAnswer at(double stamp, SE2& T_odom_base) const;
-  /// Mean velocity over the messages around `stamp`, of which at() knows the pose.
+  /// Mean velocity over the messages around `stamp`, of which at() knows the pose; none where they
+  /// are too far apart or too close together to tell.
   [[nodiscard]] Velocity velocity(double stamp) const;
   void clear();
 

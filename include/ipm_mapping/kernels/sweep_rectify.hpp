@@ -23,10 +23,11 @@ struct RawLine {
   const float *u_after = nullptr, *v_after = nullptr;
 };
 /// How the rows of a line are moved that were read t = v read_per_pixel - 1/2 after the stamp:
-///   t ahead nearness[row] rows,   t (turn + aside nearness[row]) lines, at most `most`.
+///   t ahead nearness[row] rows,   t (turn + aside nearness[row]) lines,
+/// at most `most_rows` and `most`.
 struct MovedRows {
   const float* nearness = nullptr;
-  float ahead = 0.0F, turn = 0.0F, aside = 0.0F, most = 0.0F;
+  float ahead = 0.0F, turn = 0.0F, aside = 0.0F, most = 0.0F, most_rows = 0.0F;
 };
 /// The image that is sampled: pixels stay within [least, most_u] x [least, most_v].
 struct RawBounds {

@@ -33,6 +33,7 @@ struct CalibrationParameters {
   double spacing = 0.333;
   double settled_spacing = 1.5;
   double readout_turn = 0.15;
+  double readout_known = 0.003;
   double short_baseline = 0.15;
   double long_baseline = 0.667;
   double farthest = 4.5;
@@ -117,6 +118,8 @@ struct CalibrationParameters {
     field("readout_turn", self.readout_turn, Unit{"rad/s"}, Range{0.0, 10.0},
           "pairs follow one another after short_baseline while the robot turns faster and the "
           "readout time is not known well");
+    field("readout_known", self.readout_known, Unit{"s"}, Range{0.0, 0.1},
+          "how well is enough, one sigma");
     field("short_baseline", self.short_baseline, Unit{"camera heights"}, Range{0.01, 10.0},
           "way between the two frames of a pair while little is known");
     field("long_baseline", self.long_baseline, Unit{"camera heights"}, Range{0.01, 10.0},

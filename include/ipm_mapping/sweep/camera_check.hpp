@@ -21,6 +21,8 @@ struct RegistrationView {
 class CameraCheck : public Detector {
  public:
   CameraCheck(const SweepParameters& sweep, const CalibrationParameters& calibration);
+  CameraCheck(const CameraCheck&) = delete;  // its parts know one another
+  CameraCheck& operator=(const CameraCheck&) = delete;
 
   void setCamera(const CameraModel& camera, const CameraPose& T_base_camera) override;
   void reset() override;

@@ -42,7 +42,11 @@ class CylindricalRectification {
   void sampleMoved(int line, RowRange part, const kernels::MovedRows& moved, std::uint8_t* out);
 
   /// `raw` has the calibrated size. Rows outside rows(line) are left as they are.
-  void rectify(GrayView raw, ImageView<std::uint8_t> rectified);
+  void rectify(GrayView raw, ImageView<std::uint8_t> rectified) {
+    rectify(raw, ranges_, rectified);
+  }
+  /// Of fewer rows.
+  void rectify(GrayView raw, const std::vector<RowRange>& rows, ImageView<std::uint8_t> rectified);
 
   [[nodiscard]] const PolarGrid& grid() const { return grid_; }
   /// Rows of a line that are in view.

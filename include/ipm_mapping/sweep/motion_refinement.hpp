@@ -23,6 +23,7 @@ struct RectifiedFrame {
   SE2 T_odom_base;
   Velocity velocity;     ///< of the robot at the stamp
   double readout = 0.0;  ///< seconds: the rolling shutter that has been undone
+  bool sheared = false;  ///< too fast for all of it to be undone
   SE2 T_floor_base;      ///< the same by chaining refined motions
   double stamp = 0.0;
 };

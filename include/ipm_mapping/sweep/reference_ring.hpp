@@ -21,6 +21,11 @@ class ReferenceRing {
   /// turned further.
   [[nodiscard]] const RectifiedFrame* find(const SE2& T_odom_base, double stamp,
                                            double baseline) const;
+  /// Does something to the images of all frames.
+  template <class Change>
+  void forEachImage(const Change& change) {
+    for (RectifiedFrame& frame : frames_) change(frame.image);
+  }
   /// Any frame at least `baseline` away and young enough, however turned: tells why find() failed.
   [[nodiscard]] bool farEnough(const SE2& T_odom_base, double stamp, double baseline) const;
   [[nodiscard]] int size() const { return used_; }

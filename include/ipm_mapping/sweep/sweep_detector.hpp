@@ -82,6 +82,7 @@ class SweepDetector : public Detector {
   void rectify(const Frame& frame);
   void learnCalibration();
   void applyReadout();
+  void workWith(double readout);
   [[nodiscard]] double longestReadout() const;
   void applyCalibration();
   [[nodiscard]] SE2 expectedMotion(const RectifiedFrame& reference) const;
