@@ -63,6 +63,18 @@ TEST(OdometryBuffer, TheVelocityIsAMeanOverAFewMessages) {
   for (const double t : {0.3, 0.304, 0.315}) EXPECT_NEAR(buffer.velocity(t).x, 0.3, 0.065) << t;
 }
 
+TEST(OdometryBuffer, MessagesTooCloseTogetherOrTooFarApartTellNoVelocity) {
+  OdometryBuffer close;
+  close.add(1.0, {});
+  close.add(1.000001, {0.01, 0.0, 0.0});
+  EXPECT_FALSE(close.velocity(1.0).moving());
+  OdometryParameters parameters;
+  OdometryBuffer far(parameters);
+  far.add(1.0, {});
+  far.add(1.1 + parameters.max_gap, {0.1, 0.0, 0.0});
+  EXPECT_FALSE(far.velocity(1.0).moving());
+}
+
 /// It is the velocity at the stamp, not of a while ago: a turn begins.
 TEST(OdometryBuffer, TheVelocityIsThatOfTheStamp) {
   OdometryBuffer buffer;
