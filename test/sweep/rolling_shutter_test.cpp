@@ -102,6 +102,23 @@ TEST_F(RollingShutterTest, SaysWhatIsTooFastForIt) {
   EXPECT_FALSE(shutter.reaches({2.0, 0.0, 0.0}, 0.03));
 }
 
+/// The way leads rows at the near end farther down: the image has to go on there.
+TEST_F(RollingShutterTest, WhatIsLeftOfTheViewIsInTheImageWhenItWasRead) {
+  configure(0.03);
+  const PolarGrid& grid = rectification.grid();
+  for (int line = 0; line < grid.lines; ++line) {
+    const RowRange rows = shutter.rows()[static_cast<std::size_t>(line)];
+    if (rows.size() == 0) continue;
+    const int row = rows.end - 1;
+    const double way =
+        0.03 * static_cast<double>(rectification.readTime(row, line)) * RollingShutter::fastest_way;
+    const double led = row + way / grid.distance(row) * grid.rows_per_log;
+    double u = 0.0, v = 0.0;
+    ASSERT_TRUE(rawPixel(scene.camera, scene.T_base_camera, grid.azimuth(line), grid.r(led), u, v));
+    EXPECT_LE(v, scene.camera.height() - 3.0) << line;
+  }
+}
+
 TEST_F(RollingShutterTest, BesideTheViewThatIsLeftNothingIsShown) {
   configure(0.03);
   out.resize(out.width(), out.height(), 200);
