@@ -43,15 +43,13 @@ struct Arguments : BagArguments {
     settle();
     settleEffort(options.parameters.calibration);
   }
-  /// Twice the samples, every pair of the drive, nothing fades; a height that is wrong may be any
-  /// within the bounds.
+  /// Twice the samples, every pair of the drive, nothing fades.
   static void settleEffort(CalibrationParameters& c) {
     c.row_step = std::max(1, c.row_step * 7 / 10);
     c.line_step = std::max(1, c.line_step * 7 / 10);
     c.correlation *= 0.5;
     c.settled_spacing = c.spacing;
     c.memory = 1e6;
-    c.sd_height_wrong = std::max(c.sd_height_wrong, c.max_height);
   }
 };
 
