@@ -18,6 +18,7 @@ struct CalibrationReport {
   Value turn_scale;          ///< true turn over odometry's, without the drift
   Value yaw_rate;            ///< true heading change over odometry's, per second
   Value readout;             ///< of an image, first row to last: a rolling shutter
+  Value time_offset;         ///< that an image was taken after its stamp, over the stated one
   double ratio_sigma = 0.0;  ///< of height over odometry's way, relative: all that the floor shows
   int pairs = 0;             ///< of frames that were compared
   bool believable = false;   ///< within the stated bounds, and enough pairs

@@ -19,7 +19,8 @@ struct Frame {
   double stamp = 0.0;  ///< seconds
   GrayView image;      ///< raw mono8; only valid during the call
   SE2 T_odom_base;
-  Velocity velocity;  ///< at the stamp
+  Velocity velocity;         ///< at the stamp
+  double time_offset = 0.0;  ///< seconds that the stamp was moved by because of timeOffset()
 };
 
 /// What a detector did with a frame. Everything but Used is a reason to count.
@@ -64,6 +65,9 @@ class Detector {
   [[nodiscard]] virtual const std::vector<StageTime>& stageTimes() const = 0;
   /// Short name, as in `detector: sweep`.
   [[nodiscard]] virtual const char* id() const = 0;
+  /// How long after its stamp an image was taken, seconds, as far as that is to be worked with:
+  /// later frames should come with stamps and poses that are moved by it.
+  [[nodiscard]] virtual double timeOffset() const { return 0.0; }
   /// What self-calibration found so far; nothing from detectors without it.
   [[nodiscard]] virtual std::optional<CalibrationReport> calibration() const {
     return std::nullopt;

@@ -31,6 +31,9 @@ inline constexpr int gate_drop_count = 7;
 /// different topics may overtake one another, so stamps alone do not tell whether odometry is lost
 /// or only behind. Left out, it is the stamp.
 ///
+/// With a time offset frames leave with stamps that are moved by it, and with the pose and velocity
+/// of then. A change comes into force bit by bit, so that frames keep their order.
+///
 /// `Payload` is what the caller keeps of a frame (a message pointer).
 template <class Payload>
 class FrameGate {
@@ -38,8 +41,9 @@ class FrameGate {
   struct Released {
     Payload payload;
     double stamp = 0.0;
-    SE2 T_odom_base;
-    Velocity velocity;
+    SE2 T_odom_base = {};
+    Velocity velocity = {};
+    double time_offset = 0.0;  ///< that the stamp was moved by
   };
 
   explicit FrameGate(const OdometryParameters& parameters = {}, std::size_t capacity = 32)
@@ -56,7 +60,7 @@ class FrameGate {
     if (v == OdometryVerdict::Accepted || startsAnew(v)) last_progress_ = arrival;
     if (v == OdometryVerdict::TimeJump) {
       dropWaiting(GateDrop::ClockJump);
-      last_stamp_ = -1e300;
+      last_stamp_ = last_released_ = -1e300;
     }
     return startsAnew(v);
   }
@@ -79,7 +83,7 @@ class FrameGate {
       // Odometry of before the jump must not serve frames of after it.
       if (odometry_.newest().value_or(stamp) - stamp > clock_jump_seconds) odometry_.clear();
       dropWaiting(GateDrop::ClockJump);
-      last_progress_ = -1e300;
+      last_progress_ = last_released_ = -1e300;
       jumped = true;
     }
     last_stamp_ = stamp;
@@ -88,7 +92,7 @@ class FrameGate {
       waiting_.pop_front();
       count(GateDrop::Overflow);
     }
-    waiting_.push_back({{std::move(payload), stamp, {}}, arrival});
+    waiting_.push_back({{std::move(payload), stamp}, arrival});
     return jumped;
   }
 
@@ -98,10 +102,15 @@ class FrameGate {
   bool next(Released& released, double now) {
     while (!waiting_.empty()) {
       SE2 T_odom_base;
-      const PoseAnswer answer = odometry_.at(waiting_.front().frame.stamp, T_odom_base);
+      const double stamp = waiting_.front().frame.stamp, offset = timeOffsetAt(stamp);
+      const PoseAnswer answer = odometry_.at(stamp + offset, T_odom_base);
       if (answer == PoseAnswer::NotYet && !overdue(now)) return false;
       released = std::move(waiting_.front().frame);
       waiting_.pop_front();
+      last_released_ = stamp;
+      offset_in_force_ = offset;
+      released.stamp = stamp + offset;
+      released.time_offset = offset;
       released.T_odom_base = T_odom_base;
       released.velocity = odometry_.velocity(released.stamp);
       if (answer == PoseAnswer::Known) return true;
@@ -111,6 +120,9 @@ class FrameGate {
     }
     return false;
   }
+
+  /// Images were taken so many seconds after their stamps.
+  void setTimeOffset(double seconds) { time_offset_ = seconds; }
 
   /// Frames that still wait when the input ends: they are dropped and counted.
   void finish() { dropWaiting(GateDrop::NoOdometry); }
@@ -123,6 +135,7 @@ class FrameGate {
 
  private:
   static constexpr double clock_jump_seconds = 1.0;
+  static constexpr double most_of_interval = 0.25;  ///< that the offset changes by
 
   struct Waiting {
     Released frame;
@@ -136,6 +149,10 @@ class FrameGate {
     return last_stamp_ - first.frame.stamp > parameters_.wait &&
            now - std::max(first.arrival, last_progress_) > parameters_.wait;
   }
+  [[nodiscard]] double timeOffsetAt(double stamp) const {
+    const double most = most_of_interval * std::max(0.0, stamp - last_released_);
+    return std::clamp(time_offset_, offset_in_force_ - most, offset_in_force_ + most);
+  }
   void dropWaiting(GateDrop reason) {
     for (; !waiting_.empty(); waiting_.pop_front()) count(reason);
   }
@@ -146,6 +163,7 @@ class FrameGate {
   OdometryBuffer odometry_;
   std::deque<Waiting> waiting_;
   double last_stamp_ = -1e300, last_arrival_ = -1e300, last_progress_ = -1e300;
+  double last_released_ = -1e300, time_offset_ = 0.0, offset_in_force_ = 0.0;
   std::array<std::uint64_t, gate_drop_count> drops_{};
 };
 

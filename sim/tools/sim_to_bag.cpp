@@ -6,6 +6,7 @@
 #include <tf2_msgs/TFMessage.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <boost/make_shared.hpp>
 #include <cstdio>
 #include <ctime>
@@ -129,9 +130,11 @@ class Recorder {
   }
 
   void writeFrame(int frame, std::vector<std::uint8_t>&& grey) {
-    const double time = simulation_.frameTime(frame), at = time + scene_.sensor.arrival_delay;
+    const SensorSpec& sensor = scene_.sensor;
+    const double time = simulation_.frameTime(frame), stamped = time + sensor.stamp_error;
+    const double at = std::max(time, stamped) + sensor.arrival_delay;
     writeOdometry(at);
-    const ros::Time stamp = stampOf(scene_, time);
+    const ros::Time stamp = stampOf(scene_, stamped);
     bag_.write("/camera/rgb/camera_info", arrival(at), cameraInfoMessage(scene_, stamp));
     bag_.write("/camera/rgb/image_raw", arrival(at), imageMessage(scene_, stamp, std::move(grey)));
   }

@@ -85,7 +85,7 @@ class SimulatedRobot {
       const double wait = ready - (ros::Time::now() - start_).toSec();
       if (wait > 0.0) std::this_thread::sleep_for(std::chrono::duration<double>(wait));
       camera_.capture(frame, time, robot, grey);
-      const ros::Time stamp = start_ + ros::Duration(time);
+      const ros::Time stamp = start_ + ros::Duration(time + scene_.sensor.stamp_error);
       camera_info_.publish(cameraInfoMessage(scene_, stamp));
       image_.publish(imageMessage(scene_, stamp, std::move(grey)));
       frame = std::max(frame + 1, nextFrame());

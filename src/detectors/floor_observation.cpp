@@ -9,6 +9,8 @@ sweep::FloorObservation floorObservation(const Detector& detector, const Frame& 
   sweep::FloorObservation observation;
   observation.stamp = frame.stamp;
   observation.T_odom_base = frame.T_odom_base;
+  observation.velocity = frame.velocity;
+  observation.time_offset = frame.time_offset;
   const auto* sweep = dynamic_cast<const sweep::SweepDetector*>(&detector);
   if (sweep == nullptr) return observation;
   // The shorter window: odometry has gone less wrong in it, so the floor is found more surely.

@@ -31,7 +31,8 @@ class Detect : public StageNodelet {
               memory_.clear();
             },
             [this] { forget(); },
-            [this](const Frame& frame, const FrameInfo& info) { return process(frame, info); }});
+            [this](const Frame& frame, const FrameInfo& info) { return process(frame, info); },
+            [this] { return detector_->timeOffset(); }});
     monitor().setAsleep(true);
     obstacle_outputs_.emplace(node(), outputs_, parameters.output);
     refined_odometry_.emplace(node(), outputs_, parameters);

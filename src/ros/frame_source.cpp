@@ -167,9 +167,12 @@ void FrameSource::process(const Gate::Released& frame) {
     handlers_.camera(camera_.model(), camera_.T_base_camera());
   }
   FrameInfo info{message.header(), odometry_.frames(), message.header().stamp};
-  if (camera_parameters_.image_time_offset != 0.0) info.header.stamp = rosTime(frame.stamp);
-  const FrameStatus status = handlers_.frame(
-      {frame.payload.index, frame.stamp, picture.view, frame.T_odom_base, frame.velocity}, info);
+  if (camera_parameters_.image_time_offset != 0.0 || frame.time_offset != 0.0)
+    info.header.stamp = rosTime(frame.stamp);
+  const FrameStatus status = handlers_.frame({frame.payload.index, frame.stamp, picture.view,
+                                              frame.T_odom_base, frame.velocity, frame.time_offset},
+                                             info);
+  if (handlers_.time_offset) gate_.setTimeOffset(handlers_.time_offset());
   monitor_.answered(status, info.header.stamp, explain(status));
 }
 

@@ -67,7 +67,8 @@ std::string runLive(const std::string& node_name, const OfflineOptions& options,
                       [&](const Frame& frame, const FrameInfo&) {
                         ++frames;
                         return detector.process(frame, obstacles);
-                      }});
+                      },
+                      [&] { return detector.timeOffset(); }});
   source.start();
   const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(live.seconds);
   while (ros::ok() && ros::WallTime::now() < end)

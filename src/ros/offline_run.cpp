@@ -163,8 +163,10 @@ void OfflineRun::process(const FrameGate<std::pair<std::uint64_t, GrayPicture>>:
                          const Observers& observers) {
   const auto& [index, picture] = frame.payload;
   const auto start = Clock::now();
-  const Frame now{index, frame.stamp, picture.view, frame.T_odom_base, frame.velocity};
+  const Frame now{index,          frame.stamp,      picture.view, frame.T_odom_base,
+                  frame.velocity, frame.time_offset};
   const FrameStatus status = detector_.process(now, obstacles_);
+  gate_.setTimeOffset(detector_.timeOffset());
   ++report_.frames[static_cast<std::size_t>(status)];
   trajectory_.push_back({index, frame.stamp, frame.T_odom_base,
                          floor_odometry_.add(floorObservation(detector_, now, status))});

@@ -84,6 +84,7 @@ Json calibrationJson(const CalibrationReport& r) {
           {"odometry_turn_scale", value(r.turn_scale)},
           {"odometry_yaw_rate_rad_s", value(r.yaw_rate)},
           {"readout_s", value(r.readout)},
+          {"time_offset_s", value(r.time_offset)},
           {"advice", advice(r)}};
 }
 

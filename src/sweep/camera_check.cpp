@@ -24,6 +24,7 @@ void CameraCheck::setCamera(const CameraModel& camera, const CameraPose& T_base_
   calibration_.setCamera(T_base_camera);
   calibration_.configure(rectification_, rectification_.ranges(), CalibrationVector::Zero());
   current_.image.resize(grid_.rows, grid_.lines);
+  time_offset_ = 0.0;
   view_ = {};
   stated_errors_.clear();
   estimated_errors_.clear();
@@ -52,11 +53,13 @@ FrameStatus CameraCheck::process(const Frame& frame, Obstacles& obstacles) {
   current_.T_odom_base = frame.T_odom_base;
   current_.velocity = frame.velocity;
   current_.stamp = frame.stamp;
+  current_.time_offset = frame.time_offset;
   // A short drive may end before the estimate is confident: it has its picture all the same.
   const bool first_look = view_.picture.empty();
   if (calibration_.offer(current_, ring_) && (calibration_.confident() || first_look))
     measure(frame.image);
   ring_.offer(current_);
+  if (calibration_.timeOffsetDiffers(time_offset_)) time_offset_ = calibration_.timeOffset();
   return FrameStatus::NoReference;
 }
 

@@ -75,8 +75,9 @@ const FloorPose& FloorOdometry::add(const FloorObservation& now) {
 /// The frame with odometry's totals; without a frame before it, where odometry puts it.
 FloorOdometry::Place FloorOdometry::arrive(const FloorObservation& now) const {
   Place place;
+  static_cast<OdometryOfFrame&>(place) = now;
   place.stamp = now.stamp;
-  place.T_odom_base = place.pose = now.T_odom_base;
+  place.pose = now.T_odom_base;
   if (!started_) return place;
   const SE2 step = last_.T_odom_base.inverse() * now.T_odom_base;
   const double way = step.distance(), turn = std::abs(step.theta);
@@ -95,7 +96,7 @@ const FloorOdometry::Place* FloorOdometry::referenceAt(double stamp) const {
 
 FloorOdometry::Correction FloorOdometry::correct(const Place& reference,
                                                  const RefinedMotion& motion, const Place& now) {
-  const SE2 odometry = reference.T_odom_base.inverse() * now.T_odom_base;
+  const SE2 odometry = odometryBetween(reference, now);
   const Eigen::Matrix3d R = turnedBy(-odometry.theta);
   return {logarithm(odometry.inverse() * motion.motion), R * motion.covariance * R.transpose(),
           now.stamp - reference.stamp};

@@ -20,7 +20,9 @@ constexpr double certainty = 1e12;  // information of what shall not move
 
 /// Where the unknowns of a pixel's residual stand among all: pitch, roll, yaw, log height, then
 /// motion and sway, readout time, then gain and offset.
-constexpr std::array<int, 12> place_of{0, 1, 2, 3, 8, 9, 10, 11, 12, 7, 13, 14};
+constexpr int n = CalibrationIndex::count;
+constexpr std::array<int, 12> place_of{
+    0, 1, 2, 3, n, n + 1, n + 2, n + 3, n + 4, CalibrationIndex::ReadoutTime, n + 5, n + 6};
 
 }  // namespace
 
@@ -139,7 +141,7 @@ double FloorPair::spread() {
 
 void FloorPair::addOdometry(const FramePair& pair, const Guess& guess, Normal& normal) const {
   const CalibrationParameters& p = parameters_;
-  const SE2 odometry = pair.odometry();
+  const SE2 odometry = pair.odometry(guess.state[CalibrationIndex::TimeOffset]);
   const double d = odometry.distance();
   const Eigen::Vector3d sd(
       p.sd_forward * d + noise_.sd_forward_floor, p.sd_sideways * d + noise_.sd_sideways_floor,
@@ -151,6 +153,9 @@ void FloorPair::addOdometry(const FramePair& pair, const Guess& guess, Normal& n
   Eigen::Matrix<double, 3, all> J = Eigen::Matrix<double, 3, all>::Zero();
   J.block<3, 3>(0, CalibrationIndex::LogScale) =
       -correctionSlopes(odometry, pair.seconds(), guess.state);
+  // a place and a scale that are a few per cent off change little about how time moves things
+  J.col(CalibrationIndex::TimeOffset) =
+      -MovingPair(odometry, pair.current.velocity, pair.reference.velocity).after(1.0, 1.0);
   J.block<3, 3>(0, shared).setIdentity();
   normal.A += J.transpose() * weight.asDiagonal() * J;
   normal.b += J.transpose() * weight.cwiseProduct(e);
@@ -194,7 +199,8 @@ PairEvidence FloorPair::evaluate(const FramePair& pair, const CalibrationInforma
   PairEvidence evidence;
   Guess guess;
   guess.state = start;
-  guess.motion = corrected(pair.odometry(), pair.seconds(), start);
+  guess.motion =
+      corrected(pair.odometry(start[CalibrationIndex::TimeOffset]), pair.seconds(), start);
   guess.sigma = most_spread;
   for (int i = 0; i < parameters_.iterations; ++i) {
     const double anneal = noise_.first_spread * std::pow(0.5, i);

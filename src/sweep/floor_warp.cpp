@@ -30,23 +30,14 @@ FloorWarp::FloorWarp(const PolarGrid& grid, const StatedCamera& stated,
       foot_(stated.foot),
       height_(stated.height * std::exp(state[CalibrationIndex::LogHeight])),
       motion_(motion),
-      c_(std::cos(motion.theta)),
-      s_(std::sin(motion.theta)),
-      readout_(readout) {}
+      readout_(readout),
+      moving_(motion, readout.current, readout.reference) {}
 
 /// The motion between the places from which the two rows were read.
 void FloorWarp::moveBetweenRows(const ReadTimes& times, Position& at) const {
-  const Velocity &vc = readout_.current, &vr = readout_.reference;
-  const double tc = times.current * readout_.current_seconds;
-  const double tr = times.reference * readout_.reference_seconds;
-  const auto way = [&](double current, double reference) {
-    return Eigen::Vector3d(
-        current * (c_ * vc.x - s_ * vc.y) - reference * (vr.x - vr.theta * motion_.y),
-        current * (s_ * vc.x + c_ * vc.y) - reference * (vr.y + vr.theta * motion_.x),
-        current * vc.theta - reference * vr.theta);
-  };
-  const Eigen::Vector3d d = way(tc, tr);
-  at.by_readout = way(times.current, times.reference);
+  const Eigen::Vector3d d = moving_.after(times.current * readout_.current_seconds,
+                                          times.reference * readout_.reference_seconds);
+  at.by_readout = moving_.after(times.current, times.reference);
   const FootMotion between({motion_.x + d.x(), motion_.y + d.y(), motion_.theta + d.z()}, foot_);
   at.c = between.c;
   at.s = between.s;

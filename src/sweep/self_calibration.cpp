@@ -8,7 +8,7 @@ namespace {
 
 using I = CalibrationIndex;
 
-constexpr double known_readout = 1e-6;   // seconds: how well, if it is not to be learnt
+constexpr double known_time = 1e-6;      // seconds: how well, if it is not to be learnt
 constexpr double longest_readout = 0.1;  // seconds
 
 }  // namespace
@@ -19,7 +19,8 @@ void SelfCalibration::setCamera(const CameraPose& T_base_camera) {
   const CalibrationParameters& p = parameters_;
   CalibrationVector sd;
   sd << p.sd_pitch, p.sd_roll, p.sd_yaw, p.sd_height_wrong / stated_.height, p.sd_scale,
-      p.sd_turn_scale, p.sd_yaw_rate, p.learn_readout ? p.sd_readout : known_readout;
+      p.sd_turn_scale, p.sd_yaw_rate, p.learn_readout ? p.sd_readout : known_time,
+      p.learn_time_offset ? p.sd_time_offset : known_time;
   prior_.information = sd.cwiseAbs2().cwiseInverse().asDiagonal();
   sd[I::LogHeight] = p.sd_height / stated_.height;
   prior_right_height_.information = sd.cwiseAbs2().cwiseInverse().asDiagonal();
@@ -57,13 +58,13 @@ double SelfCalibration::baseline() const {
   return stated_.height * std::clamp(p.short_baseline * share, p.short_baseline, p.long_baseline);
 }
 
-/// A turn shows what is not known yet about the readout, and may soon be over.
+/// A turn shows what is not known yet about the readout and the stamps, and may soon be over.
 bool SelfCalibration::due(const RectifiedFrame& current) const {
   if (!seen_any_) return true;
   const CalibrationParameters& p = parameters_;
-  const bool telling = parameters_.learn_readout &&
-                       std::abs(current.velocity.theta) > p.readout_turn &&
-                       sigma(I::ReadoutTime) > p.readout_known;
+  const bool unknown =
+      sigma(I::ReadoutTime) > p.readout_known || sigma(I::TimeOffset) > p.time_offset_known;
+  const bool telling = unknown && std::abs(current.velocity.theta) > p.readout_turn;
   const double spacing = telling ? stated_.height * p.short_baseline
                          : confident() && !learnt_.height_in_doubt
                              ? stated_.height * p.settled_spacing
@@ -177,6 +178,13 @@ bool SelfCalibration::readoutDiffers(double in_force) const {
          change > std::max(parameters_.apply_readout, surely);
 }
 
+bool SelfCalibration::timeOffsetDiffers(double in_force) const {
+  const double change = std::abs(timeOffset() - in_force);
+  const double surely = parameters_.time_offset_sigmas * sigma(I::TimeOffset);
+  return learnt_.pairs > 0 && bounded() && std::abs(timeOffset()) <= parameters_.max_time_offset &&
+         change > std::max(parameters_.apply_time_offset, surely);
+}
+
 Sway SelfCalibration::remainingTilt() const {
   if (learnt_.pairs == 0) return {};
   const Eigen::Vector3d tilt = stated_.axes * (learnt_.state - rectified_with_).head<3>();
@@ -197,6 +205,7 @@ CalibrationReport SelfCalibration::report() const {
   r.turn_scale = {1.0, 1.0 + learnt_.state[I::TurnScale], sigma(I::TurnScale)};
   r.yaw_rate = {0.0, learnt_.state[I::YawRate], sigma(I::YawRate)};
   r.readout = {parameters_.readout_time, readout(), sigma(I::ReadoutTime)};
+  r.time_offset = {0.0, timeOffset(), sigma(I::TimeOffset)};
   r.ratio_sigma = ratioSigma();
   r.pairs = learnt_.pairs;
   r.believable = believable();

@@ -56,15 +56,23 @@ bool SweepDetector::adopt(const Detector& before) {
   if (known && calibration_mode_ == CalibrationMode::Apply && !in_force.isZero())
     rectifyWith(in_force);
   if (known && learn_readout_) workWith(other->readout_);
+  if (known && learn_time_offset_) time_offset_ = other->time_offset_;
   free_floor_.adopt(other->free_floor_);
-  T_odom_last_ = other->T_odom_last_;
+  last_ = other->last_;
   T_floor_last_ = other->T_floor_last_;
   return true;
 }
 
+/// What stamps are off changes nothing about where the camera is: whoever brings the frames is
+/// always told.
+void SweepDetector::applyTimeOffset() {
+  if (learn_time_offset_ && calibration_.timeOffsetDiffers(time_offset_))
+    time_offset_ = calibration_.timeOffset();
+}
+
 /// Odometry's motion, without what is known to be wrong with it.
 SE2 SweepDetector::expectedMotion(const RectifiedFrame& reference) const {
-  const SE2 odometry = reference.T_odom_base.inverse() * current_.T_odom_base;
+  const SE2 odometry = odometryBetween(reference, current_);
   if (calibration_mode_ != CalibrationMode::Apply || !calibration_.confident()) return odometry;
   return corrected(odometry, current_.stamp - reference.stamp, calibration_.state());
 }

@@ -25,6 +25,7 @@ SweepDetector::SweepDetector(const SweepParameters& parameters,
       learn_readout_(calibration.learn_readout && calibration.mode != CalibrationMode::Off),
       readout_stated_(calibration.readout_time),
       readout_(calibration.readout_time),
+      learn_time_offset_(calibration.learn_time_offset && calibration.mode != CalibrationMode::Off),
       calibration_(calibration, parameters.refinement) {
   times_.reserve(expected_stages);
 }
@@ -34,6 +35,7 @@ void SweepDetector::setCamera(const CameraModel& camera, const CameraPose& T_bas
   T_base_stated_ = T_base_camera;
   calibration_.setCamera(T_base_camera);
   readout_ = readout_stated_;
+  time_offset_ = 0.0;
   rectifyWith(CalibrationVector::Zero());
   reset();
 }
@@ -132,9 +134,10 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
   lap_start_ = now();
   rectify(frame);
   current_.mean.evaluate(lattice_, current_.image.view());
-  current_.T_floor_base = T_floor_last_ * (T_odom_last_.inverse() * frame.T_odom_base);
   current_.T_odom_base = frame.T_odom_base;
   current_.stamp = frame.stamp;
+  current_.time_offset = frame.time_offset;
+  current_.T_floor_base = T_floor_last_ * odometryBetween(last_, current_);
   lap("rectification");
   const FrameStatus status = findReferences(frame);
   if (status == FrameStatus::Used) {
@@ -158,12 +161,13 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
     fillObstacles(view, obstacles);
     lap("answer");
   }
-  T_odom_last_ = current_.T_odom_base;
+  last_ = static_cast<const OdometryOfFrame&>(current_);
   T_floor_last_ = current_.T_floor_base;
   learnCalibration();
   kept_ = ring_.offer(current_);
   applyCalibration();
   applyReadout();
+  applyTimeOffset();
   return status;
 }
 
@@ -259,8 +263,12 @@ void SweepDetector::compareWithReferences(const CurrentView& view) {
   const Eigen::Vector2d foot = T_base_camera_.translation().head<2>();
   for (std::size_t q = 0; q < static_cast<std::size_t>(reference_count_); ++q) {
     const RectifiedFrame& reference = *references_[q];
-    motions_[q] = refinement_.refine(current_, reference, expectedMotion(reference),
-                                     reference.T_floor_base.inverse() * current_.T_floor_base);
+    const SE2 odometry = expectedMotion(reference);
+    // what was chained up with other stamps leads elsewhere
+    const bool chained = reference.time_offset == current_.time_offset;
+    motions_[q] = refinement_.refine(
+        current_, reference, odometry,
+        chained ? reference.T_floor_base.inverse() * current_.T_floor_base : odometry);
     motions_[q].reference_stamp = reference.stamp;
   }
   current_.T_floor_base = references_[0]->T_floor_base * motions_[0].motion;

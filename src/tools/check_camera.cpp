@@ -115,6 +115,10 @@ void printReport(const CalibrationReport& r, const sweep::CameraCheck& check) {
   std::printf("readout_ms: %.1f +- %.1f (stated %.1f; a rolling shutter)\n",
               1000.0 * r.readout.estimate, 1000.0 * r.readout.sigma, 1000.0 * r.readout.stated);
   std::printf(
+      "time_offset_ms: %.1f +- %.1f (from an image's stamp to when it was taken, by odometry's "
+      "clock; over image_time_offset)\n",
+      1000.0 * r.time_offset.estimate, 1000.0 * r.time_offset.sigma);
+  std::printf(
       "registration_px: %.2f as stated, %.2f as estimated (median of %zu and %zu patches)\n",
       median(check.statedErrors()), median(check.estimatedErrors()), check.statedErrors().size(),
       check.estimatedErrors().size());

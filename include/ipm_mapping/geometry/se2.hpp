@@ -76,4 +76,10 @@ struct Velocity {
   return {s * velocity[0] - c * velocity[1], c * velocity[0] + s * velocity[1], wrapAngle(theta)};
 }
 
+/// Where a robot is that goes on from `pose` for so long.
+[[nodiscard]] inline SE2 later(const SE2& pose, const Velocity& velocity, double seconds) {
+  if (seconds == 0.0) return pose;
+  return pose * exponential(seconds * Eigen::Vector3d(velocity.x, velocity.y, velocity.theta));
+}
+
 }  // namespace ipm_mapping

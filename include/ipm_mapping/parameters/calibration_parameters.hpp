@@ -15,6 +15,7 @@ struct CalibrationParameters {
   CalibrationMode mode = CalibrationMode::Report;
   double readout_time = 0.0;
   bool learn_readout = true;
+  bool learn_time_offset = true;
   double sd_pitch = 0.035;
   double sd_roll = 0.01;
   double sd_yaw = 0.005;
@@ -24,16 +25,19 @@ struct CalibrationParameters {
   double sd_turn_scale = 0.02;
   double sd_yaw_rate = 0.01;
   double sd_readout = 0.02;
+  double sd_time_offset = 0.06;
   double sd_sway = 0.001;
   double sd_forward = 0.02;
   double sd_sideways = 0.003;
   double sd_turn = 0.003;
   double max_tilt = 0.07;
   double max_height = 0.12;
+  double max_time_offset = 0.25;
   double spacing = 0.333;
   double settled_spacing = 1.5;
   double readout_turn = 0.15;
   double readout_known = 0.003;
+  double time_offset_known = 0.005;
   double short_baseline = 0.15;
   double long_baseline = 0.667;
   double farthest = 4.5;
@@ -52,6 +56,8 @@ struct CalibrationParameters {
   double apply_height = 0.002;
   double apply_readout = 0.002;
   double readout_sigmas = 3.0;
+  double apply_time_offset = 0.005;
+  double time_offset_sigmas = 2.0;
   double warn_tilt = 0.0052;
   double warn_height = 0.01;
   double warn_sigmas = 3.0;
@@ -69,6 +75,9 @@ struct CalibrationParameters {
     field("learn_readout", self.learn_readout,
           "find out how long it takes, unless mode is off, and work with that; false: with "
           "readout_time as it is stated");
+    field("learn_time_offset", self.learn_time_offset,
+          "find out by how much the images' stamps are off odometry's clock, over "
+          "camera/image_time_offset, unless mode is off, and work with that");
     expectations(self, field);
     pairs(self, field);
     verdicts(self, field);
@@ -97,6 +106,8 @@ struct CalibrationParameters {
           "odometry's heading error expected per second");
     field("sd_readout", self.sd_readout, Unit{"s"}, Range{1e-6, 0.1},
           "how far off the stated readout_time is expected to be");
+    field("sd_time_offset", self.sd_time_offset, Unit{"s"}, Range{1e-6, 1.0},
+          "how far off odometry's clock the images' stamps are expected to be");
     field("sd_sway", self.sd_sway, Unit{"rad"}, Range{1e-6, 0.1},
           "how much pitch and roll of the robot differ from frame to frame");
     field("sd_forward", self.sd_forward, Unit{"m/m"}, Range{1e-6, 1.0},
@@ -107,6 +118,8 @@ struct CalibrationParameters {
           "an estimate farther from the stated pitch, roll or yaw is not believed");
     field("max_height", self.max_height, Unit{"m"}, Range{0.0, 1.0},
           "an estimate farther from the stated height is not believed");
+    field("max_time_offset", self.max_time_offset, Unit{"s"}, Range{0.0, 1.0},
+          "stamps are not moved by more");
   }
   /// Which frames are compared, and how.
   template <class Self, class Visitor>
@@ -116,10 +129,12 @@ struct CalibrationParameters {
     field("settled_spacing", self.settled_spacing, Unit{"camera heights"}, Range{0.01, 100.0},
           "the same once the estimate is confident and the height no longer in doubt");
     field("readout_turn", self.readout_turn, Unit{"rad/s"}, Range{0.0, 10.0},
-          "pairs follow one another after short_baseline while the robot turns faster and the "
-          "readout time is not known well");
+          "pairs follow one another after short_baseline while the robot turns faster, and the "
+          "readout time or what the stamps are off is not known well");
     field("readout_known", self.readout_known, Unit{"s"}, Range{0.0, 0.1},
           "how well is enough, one sigma");
+    field("time_offset_known", self.time_offset_known, Unit{"s"}, Range{0.0, 1.0},
+          "the same of the images' stamps");
     field("short_baseline", self.short_baseline, Unit{"camera heights"}, Range{0.01, 10.0},
           "way between the two frames of a pair while little is known");
     field("long_baseline", self.long_baseline, Unit{"camera heights"}, Range{0.01, 10.0},
@@ -157,6 +172,11 @@ struct CalibrationParameters {
     field("apply_readout", self.apply_readout, Unit{"s"}, Range{0.0, 0.1},
           "another readout time comes into force where it differs by more");
     field("readout_sigmas", self.readout_sigmas, Unit{"sigma"}, Range{0.0, 100.0},
+          "and by so much");
+    field("apply_time_offset", self.apply_time_offset, Unit{"s"}, Range{0.0, 1.0},
+          "stamps are moved anew where what they are off differs by more from what they are moved "
+          "by");
+    field("time_offset_sigmas", self.time_offset_sigmas, Unit{"sigma"}, Range{0.0, 100.0},
           "and by so much");
     field("warn_tilt", self.warn_tilt, Unit{"rad"}, Range{0.0, 0.5},
           "diagnostics warn when the stated pitch or roll is off by more, and by warn_sigmas");

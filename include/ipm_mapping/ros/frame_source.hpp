@@ -22,7 +22,7 @@ namespace ipm_mapping {
 
 /// What consumers of a frame's results need to know besides the frame.
 struct FrameInfo {
-  std_msgs::Header header;  ///< stamp with image_time_offset; frame of the camera
+  std_msgs::Header header;  ///< moved by image_time_offset and what is learnt; frame of the camera
   FrameNames frames;
   ros::Time image_stamp;  ///< as the camera sent it
 };
@@ -39,6 +39,8 @@ class FrameSource {
     std::function<void()> reset;
     /// Takes the frame; the answer is counted. `frame.image` is of the calibrated size.
     std::function<FrameStatus(const Frame& frame, const FrameInfo& info)> frame;
+    /// Detector::timeOffset(); may be left out.
+    std::function<double()> time_offset = {};
   };
 
   FrameSource(ros::NodeHandle& node, ros::NodeHandle& private_node, const Parameters& parameters,

@@ -10,9 +10,21 @@ namespace ipm_mapping::sweep {
 /// What is wrong with the stated pose and with odometry, as one vector. Angles in radians, about
 /// the camera's left, its forward and the vertical direction; true height = stated *
 /// exp(LogHeight); true way = odometry's * exp(LogScale); true turn = odometry's * (1 + TurnScale)
-/// + YawRate * dt; the camera's rows are read in stated + ReadoutTime seconds.
+/// + YawRate * dt; the camera's rows are read in stated + ReadoutTime seconds; an image was taken
+/// TimeOffset seconds after its stamp.
 struct CalibrationIndex {
-  enum : int { Pitch, Roll, Yaw, LogHeight, LogScale, TurnScale, YawRate, ReadoutTime, count };
+  enum : int {
+    Pitch,
+    Roll,
+    Yaw,
+    LogHeight,
+    LogScale,
+    TurnScale,
+    YawRate,
+    ReadoutTime,
+    TimeOffset,
+    count
+  };
 };
 using CalibrationVector = Eigen::Matrix<double, CalibrationIndex::count, 1>;
 using CalibrationMatrix = Eigen::Matrix<double, CalibrationIndex::count, CalibrationIndex::count>;

@@ -30,6 +30,7 @@ class CameraCheck : public Detector {
   FrameStatus process(const Frame& frame, Obstacles& obstacles) override;
   [[nodiscard]] const std::vector<StageTime>& stageTimes() const override { return times_; }
   [[nodiscard]] const char* id() const override { return "camera_check"; }
+  [[nodiscard]] double timeOffset() const override { return time_offset_; }
   [[nodiscard]] std::optional<CalibrationReport> calibration() const override;
 
   [[nodiscard]] const CameraModel& camera() const { return camera_; }
@@ -55,6 +56,7 @@ class CameraCheck : public Detector {
   ReferenceRing ring_;
   SelfCalibration calibration_;
   RectifiedFrame current_;
+  double time_offset_ = 0.0;  ///< that frames should come with, seconds
   RegistrationView view_;
   std::vector<double> stated_errors_, estimated_errors_;
   std::vector<StageTime> times_;

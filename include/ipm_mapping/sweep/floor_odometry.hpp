@@ -11,9 +11,8 @@
 namespace ipm_mapping::sweep {
 
 /// What one frame says about the robot's way.
-struct FloorObservation {
+struct FloorObservation : OdometryOfFrame {
   double stamp = 0.0;                     ///< seconds
-  SE2 T_odom_base;                        ///< wheel odometry at the stamp
   const RefinedMotion* motion = nullptr;  ///< as the floor shows it; null: the frame was not used
   bool reference = false;                 ///< later motions may start from this frame
 };
@@ -57,9 +56,8 @@ class FloorOdometry {
 
  private:
   /// A frame, how far wheel odometry had come there, and what is known of its pose.
-  struct Place {
+  struct Place : OdometryOfFrame {
     double stamp = 0.0;
-    SE2 T_odom_base;     ///< wheel odometry
     double way = 0.0;    ///< metres of odometry's path since the start
     double turn = 0.0;   ///< radians turned to either side since the start
     double going = 0.0;  ///< seconds in which the wheels moved since the start

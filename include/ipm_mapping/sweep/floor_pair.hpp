@@ -26,10 +26,13 @@ struct FramePair {
   const RectifiedFrame& current;
   const RectifiedFrame& reference;
 
-  [[nodiscard]] SE2 odometry() const {
-    return reference.T_odom_base.inverse() * current.T_odom_base;
+  /// If the images were taken `time_offset` seconds after the camera's stamps.
+  [[nodiscard]] SE2 odometry(double time_offset) const {
+    return reference.poseMovedBy(time_offset).inverse() * current.poseMovedBy(time_offset);
   }
-  [[nodiscard]] double seconds() const { return current.stamp - reference.stamp; }
+  [[nodiscard]] double seconds() const {
+    return (current.stamp - current.time_offset) - (reference.stamp - reference.time_offset);
+  }
 };
 
 /// What one pair of frames says.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 
 #include "ipm_mapping/geometry/se2.hpp"
 #include "ipm_mapping/sweep/calibration_state.hpp"
@@ -16,6 +17,30 @@ struct ReadoutOfPair {
 
   [[nodiscard]] bool moving() const { return current.moving() || reference.moving(); }
 };
+/// The motion between a current and a reference view of a robot that moves on in both.
+class MovingPair {
+ public:
+  MovingPair(const SE2& motion, const Velocity& current, const Velocity& reference)
+      : motion_(motion),
+        current_(current),
+        reference_(reference),
+        c_(std::cos(motion.theta)),
+        s_(std::sin(motion.theta)) {}
+
+  /// How (x, y, theta) differs if the views are taken so many seconds later, to first order:
+  ///   R v_c t_c - v_r t_r + w_r t_r (y, -x),   w_c t_c - w_r t_r.
+  [[nodiscard]] Eigen::Vector3d after(double current, double reference) const {
+    const Velocity &vc = current_, &vr = reference_;
+    return {current * (c_ * vc.x - s_ * vc.y) - reference * (vr.x - vr.theta * motion_.y),
+            current * (s_ * vc.x + c_ * vc.y) - reference * (vr.y + vr.theta * motion_.x),
+            current * vc.theta - reference * vr.theta};
+  }
+
+ private:
+  SE2 motion_;
+  Velocity current_, reference_;
+  double c_, s_;
+};
 /// When a place was read in the two views, as shares of the readout before or after the stamp.
 struct ReadTimes {
   double current = 0.0, reference = 0.0;
@@ -28,8 +53,7 @@ struct ReadTimes {
 ///   direction_ref = tilt^-1 sway^-1 (p_ref, -h),
 /// sway: how the robot's pitch and roll differ between the two, for it is not quite rigid. What is
 /// read t after the stamp is seen by a robot that has gone on by v t and turned by w t: the motion
-/// from one view to the other then differs from row to row, to first order
-///   theta + w_c t_c - w_r t_r,   t + R v_c t_c - v_r t_r + w_r t_r (t_y, -t_x).
+/// from one view to the other then differs from row to row (MovingPair).
 class FloorWarp {
  public:
   /// Columns of the derivatives.
@@ -64,8 +88,8 @@ class FloorWarp {
   Eigen::Vector2d foot_;
   double height_;
   SE2 motion_;
-  double c_, s_;
   ReadoutOfPair readout_;
+  MovingPair moving_;
 };
 
 /// Direction of a grid position in base axes of the stated pose.

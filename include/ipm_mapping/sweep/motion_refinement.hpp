@@ -11,17 +11,16 @@
 #include "ipm_mapping/sweep/floor_cost.hpp"
 #include "ipm_mapping/sweep/foot_motion.hpp"
 #include "ipm_mapping/sweep/local_mean.hpp"
+#include "ipm_mapping/sweep/odometry_of_frame.hpp"
 #include "ipm_mapping/sweep/polar_grid.hpp"
 #include "ipm_mapping/sweep/sway.hpp"
 
 namespace ipm_mapping::sweep {
 
 /// A rectified frame with what is needed to compare it with another.
-struct RectifiedFrame {
+struct RectifiedFrame : OdometryOfFrame {
   Image<std::uint8_t> image;  ///< rows x lines of the polar grid
   LocalMean mean;
-  SE2 T_odom_base;
-  Velocity velocity;     ///< of the robot at the stamp
   double readout = 0.0;  ///< seconds: the rolling shutter that has been undone
   bool sheared = false;  ///< too fast for all of it to be undone
   SE2 T_floor_base;      ///< the same by chaining refined motions

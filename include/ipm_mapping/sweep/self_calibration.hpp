@@ -9,9 +9,9 @@
 
 namespace ipm_mapping::sweep {
 
-/// Pitch, roll, heading and height of the camera, scale and heading drift of odometry, from how the
-/// floor moves between frames: an information filter over pairs of frames, a new one every
-/// `spacing` of way. The prior never fades, evidence does.
+/// Pitch, roll, heading and height of the camera, scale and heading drift of odometry, readout time
+/// and stamps of the images, from how the floor moves between frames: an information filter over
+/// pairs of frames, a new one every `spacing` of way. The prior never fades, evidence does.
 ///
 /// The floor shows the way only in camera heights. Either the stated height is right, and
 /// odometry's scale makes up for what is off, or, when that had to be more than `sd_scale`, the
@@ -60,6 +60,10 @@ class SelfCalibration {
   }
   /// That is surely and usefully another than the one in force.
   [[nodiscard]] bool readoutDiffers(double in_force) const;
+  /// How long after its stamp an image was taken, as far as is known, seconds.
+  [[nodiscard]] double timeOffset() const { return learnt_.state[CalibrationIndex::TimeOffset]; }
+  /// The same of it.
+  [[nodiscard]] bool timeOffsetDiffers(double in_force) const;
   /// The correction that frames are rectified with.
   [[nodiscard]] const CalibrationVector& inForce() const { return rectified_with_; }
   /// Beside the stated pose.

@@ -44,6 +44,7 @@ class SweepDetector : public Detector {
   FrameStatus process(const Frame& frame, Obstacles& obstacles) override;
   [[nodiscard]] const std::vector<StageTime>& stageTimes() const override { return times_; }
   [[nodiscard]] const char* id() const override { return "sweep"; }
+  [[nodiscard]] double timeOffset() const override { return time_offset_; }
   [[nodiscard]] std::optional<CalibrationReport> calibration() const override;
 
   /// Motion from each reference to the last used frame as the floor shows it.
@@ -82,6 +83,7 @@ class SweepDetector : public Detector {
   void rectify(const Frame& frame);
   void learnCalibration();
   void applyReadout();
+  void applyTimeOffset();
   void workWith(double readout);
   [[nodiscard]] double longestReadout() const;
   void applyCalibration();
@@ -117,6 +119,8 @@ class SweepDetector : public Detector {
   bool learn_readout_;
   double readout_stated_;
   double readout_;  ///< in force, seconds
+  bool learn_time_offset_;
+  double time_offset_ = 0.0;  ///< that frames should come with, seconds
   SelfCalibration calibration_;
   CameraModel camera_;
   CameraPose T_base_stated_ = CameraPose::Identity();
@@ -156,7 +160,8 @@ class SweepDetector : public Detector {
   SweepScores scores_;
   std::vector<BeamChoice> choices_;
   SE2 last_used_;
-  SE2 T_odom_last_, T_floor_last_;  // of the last frame
+  OdometryOfFrame last_;  // frame
+  SE2 T_floor_last_;      // of it
   bool seen_any_ = false, kept_ = false, floor_masked_ = false;
   std::vector<StageTime> times_;
   double lap_start_ = 0.0;

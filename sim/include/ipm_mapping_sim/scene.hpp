@@ -198,7 +198,7 @@ struct SensorSpec {
   double exposure_time = 0.0, readout_time = 0.0;
   int blur_samples = 1;
   double shake = 0.0, shake_rate = 9.0;
-  double arrival_delay = 0.012;
+  double stamp_error = 0.0, arrival_delay = 0.012;
   double drop_rate = 0.0;
 
   template <class Self, class Visitor>
@@ -220,7 +220,10 @@ struct SensorSpec {
           "instants averaged per exposure");
     field("shake", self.shake, Unit{"rad"}, Range{0, 0.1}, "amplitude of the pitch at full speed");
     field("shake_rate", self.shake_rate, Unit{"Hz"}, Range{0.1, 200.0}, "its frequency");
-    field("arrival_delay", self.arrival_delay, Unit{"s"}, second, "stamp to arrival");
+    field("stamp_error", self.stamp_error, Unit{"s"}, Range{-1.0, 1.0},
+          "stamp minus the instant it stands for, the middle of the exposure and of the rows");
+    field("arrival_delay", self.arrival_delay, Unit{"s"}, second,
+          "stamp, or that instant if it is later, to arrival");
     field("drop_rate", self.drop_rate, Unit{}, Range{0, 1}, "share of frames that never arrive");
   }
 };
