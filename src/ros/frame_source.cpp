@@ -49,6 +49,7 @@ void FrameSource::setParameters(const CameraParameters& parameters) {
 
 void FrameSource::start() {
   gate_ = Gate(odometry_parameters_, static_cast<std::size_t>(source_parameters_.waiting_frames));
+  if (handlers_.time_offset) gate_.setTimeOffset(handlers_.time_offset());
   reported_drops_.fill(0);
   waiting_since_.reset();
   odometry_received_ = odometry_refused_ = 0;

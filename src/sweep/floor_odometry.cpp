@@ -75,7 +75,7 @@ const FloorPose& FloorOdometry::add(const FloorObservation& now) {
 /// The frame with odometry's totals; without a frame before it, where odometry puts it.
 FloorOdometry::Place FloorOdometry::arrive(const FloorObservation& now) const {
   Place place;
-  static_cast<OdometryOfFrame&>(place) = now;
+  static_cast<OdometryOfFrame&>(place) = {now.T_odom_base, now.velocity, now.time_offset};
   place.stamp = now.stamp;
   place.pose = now.T_odom_base;
   if (!started_) return place;

@@ -148,6 +148,72 @@ TEST(FrameGate, GivesUpAfterTheClockWasSetBackToo) {
   EXPECT_EQ(gate.dropped(GateDrop::NoOdometry), 1U);
 }
 
+TEST(FrameGate, ATimeOffsetMovesStampPoseAndVelocity) {
+  for (const double offset : {-0.07, 0.05}) {
+    Gate gate;
+    gate.setTimeOffset(offset);
+    for (int i = 0; i <= 60; ++i) {  // faster and faster
+      const double t = 0.02 * i;
+      gate.addOdometry(10.0 + t, {0.5 * t * t, 0.0, 0.0});
+    }
+    gate.addFrame(10.60, 1);
+    Gate::Released released;
+    ASSERT_TRUE(gate.next(released));
+    EXPECT_DOUBLE_EQ(released.stamp, 10.60 + offset) << "the first frame already";
+    EXPECT_EQ(released.time_offset, offset);
+    EXPECT_NEAR(released.T_odom_base.x, 0.5 * std::pow(0.60 + offset, 2), 1e-4);
+    EXPECT_NEAR(released.velocity.x, 0.60 + offset, 0.011);
+  }
+}
+
+TEST(FrameGate, WaitsForOdometryOfTheMovedStamp) {
+  Gate gate;
+  gate.setTimeOffset(0.05);
+  drive(gate, 10.0, 10.14);
+  gate.addFrame(10.10, 1);
+  EXPECT_TRUE(takeAll(gate).empty()) << "odometry has passed its stamp, but not the moved one";
+  drive(gate, 10.16, 10.16);
+  EXPECT_EQ(takeAll(gate), std::vector<int>{1});
+}
+
+TEST(FrameGate, AnOffsetThatChangesComesIntoForceBitByBitAndKeepsTheOrder) {
+  Gate gate;
+  drive(gate, 10.0, 13.0);
+  double before = 0.0, offset = 0.0;
+  int frames = 0, settled = 0;
+  for (int i = 0; i < 60; ++i) {
+    gate.setTimeOffset(i < 10 ? 0.0 : i < 35 ? -0.1 : 0.05);
+    gate.addFrame(10.5 + 0.03 * i, i);
+    Gate::Released released;
+    while (gate.next(released)) {
+      ++frames;
+      EXPECT_GT(released.stamp, before) << "frame " << i;
+      EXPECT_NEAR(released.T_odom_base.x, released.stamp, 1e-9);
+      EXPECT_NEAR(released.stamp, 10.5 + 0.03 * i + released.time_offset, 1e-9);
+      EXPECT_LE(std::abs(released.time_offset - offset), 0.25 * 0.03 + 1e-9);
+      before = released.stamp;
+      offset = released.time_offset;
+      settled += i == 34 && offset == -0.1;
+    }
+  }
+  EXPECT_EQ(frames, 60);
+  EXPECT_EQ(settled, 1);
+  EXPECT_EQ(offset, 0.05) << "all of it in the end";
+}
+
+TEST(FrameGate, AfterTheClockWasSetBackTheOffsetHoldsFromTheFirstFrame) {
+  Gate gate;
+  drive(gate, 100.0, 101.0);
+  gate.addFrame(100.5, 1);
+  EXPECT_EQ(takeAll(gate), std::vector<int>{1});
+  gate.setTimeOffset(-0.1);
+  drive(gate, 10.0, 11.0);
+  gate.addFrame(10.5, 2);
+  Gate::Released released;
+  ASSERT_TRUE(gate.next(released));
+  EXPECT_EQ(released.time_offset, -0.1);
+}
+
 TEST(FrameGate, CountsFramesThatOdometryCannotPlace) {
   Gate gate;
   gate.addFrame(9.0, 0);

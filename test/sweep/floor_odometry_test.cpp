@@ -113,6 +113,25 @@ TEST(FloorOdometry, AfterAStretchOnWheelsTheNextWindowIsCorrectedWhole) {
   EXPECT_NEAR(odometry.pose().T_odom_base.x, 59 * step + 0.1 * on_wheels, 1e-9);
 }
 
+/// Stamps that are moved from some frame on move the wheels' pose with them: the robot is there a
+/// moment later. Nothing is wrong with odometry for that, and the floor has nothing to correct.
+TEST(FloorOdometry, StampsThatAreMovedAreNoErrorOfOdometry) {
+  Drive drive(40, 0.01, 1.0, 0.0);
+  const Velocity velocity{step / period, 0.0, 0.01 / period};
+  constexpr double offset = 0.07;
+  FloorOdometry odometry;
+  for (int k = 0; k < 40; ++k) {
+    const double moved = k < 20 ? 0.0 : offset;
+    const bool used = k >= window;
+    const RefinedMotion motion = used ? drive.floor(k - window, k) : RefinedMotion{};
+    RefinedMotion named = motion;  // after the stamp that its reference came with
+    if (k - window >= 20) named.reference_stamp += offset;
+    const SE2 wheels = later(drive.wheels[static_cast<std::size_t>(k)], velocity, moved);
+    odometry.add({period * k + moved, wheels, used ? &named : nullptr, true, velocity, moved});
+    expectNear(odometry.pose().T_odom_base, wheels, 1e-9, 1e-9);
+  }
+}
+
 TEST(FloorOdometry, IgnoresAReferenceThatItDoesNotKnow) {
   Drive drive(12, 0.0, 1.1, 0.0);
   FloorOdometry odometry;

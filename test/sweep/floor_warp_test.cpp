@@ -133,6 +133,21 @@ TEST(FloorWarp, SeesWhatARollingShutterSees) {
   }
 }
 
+/// The poses go on, each in its own time; the motion between them is what it says.
+TEST(MovingPair, MovesAsItsTwoPosesDo) {
+  const SE2 reference{1.0, -2.0, 0.8}, current{1.3, -1.9, 1.2};
+  const Velocity vr{0.25, -0.03, -0.4}, vc{0.3, 0.02, 0.7};
+  const MovingPair pair(reference.inverse() * current, vc, vr);
+  for (const auto& [tc, tr] : {std::pair(1e-4, 0.0), {0.0, 1e-4}, {2e-4, -1e-4}}) {
+    const SE2 motion = later(reference, vr, tr).inverse() * later(current, vc, tc);
+    const SE2 before = reference.inverse() * current;
+    const Eigen::Vector3d d = pair.after(tc, tr);
+    EXPECT_NEAR(motion.x - before.x, d.x(), 1e-8);
+    EXPECT_NEAR(motion.y - before.y, d.y(), 1e-8);
+    EXPECT_NEAR(motion.theta - before.theta, d.z(), 1e-12);
+  }
+}
+
 TEST(FloorWarp, RefusesWhatDoesNotMeetTheFloor) {
   const PolarGrid grid = gridOf(statedPose());
   const StatedCamera camera(statedPose());

@@ -11,10 +11,13 @@
 namespace ipm_mapping::sweep {
 
 /// What one frame says about the robot's way.
-struct FloorObservation : OdometryOfFrame {
+struct FloorObservation {
   double stamp = 0.0;                     ///< seconds
+  SE2 T_odom_base;                        ///< wheel odometry at the stamp
   const RefinedMotion* motion = nullptr;  ///< as the floor shows it; null: the frame was not used
   bool reference = false;                 ///< later motions may start from this frame
+  Velocity velocity = {};                 ///< by wheel odometry, at the stamp
+  double time_offset = 0.0;               ///< seconds that the stamp was moved by
 };
 
 /// Where the robot is and how fast it goes, by wheels and floor together.
