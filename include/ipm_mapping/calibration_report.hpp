@@ -24,7 +24,8 @@ struct CalibrationReport {
   bool believable = false;   ///< within the stated bounds, and enough pairs
   bool confident = false;    ///< sure enough to be applied
   bool applied = false;      ///< the detector works with an estimate
-  bool pitch_off = false, roll_off = false, height_off = false;  ///< surely and usefully
+  /// surely and usefully
+  bool pitch_off = false, roll_off = false, height_off = false, time_off = false;
 };
 
 /// What to change, as sentences for people; says so when all is well or little is known.

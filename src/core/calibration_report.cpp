@@ -37,6 +37,12 @@ std::string advice(const CalibrationReport& r) {
                   "(if odometry's way is right)",
                   100.0 * std::abs(r.height.off()), r.height.off() > 0 ? "higher" : "lower",
                   r.height.stated, r.height.estimate));
+  if (r.time_off)
+    add(formatted(
+        "images are stamped %.0f ms too %s: add %.3f to camera/image_time_offset, or leave "
+        "that to the detector, which finds it out as it drives",
+        1000.0 * std::abs(r.time_offset.off()), r.time_offset.off() < 0 ? "late" : "early",
+        r.time_offset.off()));
   return words.empty() ? "the stated pose fits what the floor shows" : words;
 }
 

@@ -217,6 +217,7 @@ CalibrationReport SelfCalibration::report() const {
   r.pitch_off = r.believable && surely(r.pitch, p.warn_tilt);
   r.roll_off = r.believable && surely(r.roll, p.warn_tilt);
   r.height_off = r.believable && surely(r.height, p.warn_height);
+  r.time_off = r.believable && surely(r.time_offset, p.warn_time_offset);
   return r;
 }
 

@@ -151,6 +151,29 @@ TEST_F(LateDetector, GoesOnWithWhatItHasLearnt) {
   EXPECT_LT(worstMotion(*aware, 0.08), 0.1 * worst);
 }
 
+/// What was chained up with stamps that were off leads elsewhere: the search for the floor's motion
+/// must not begin there.
+TEST_F(LateDetector, FollowsTheFloorFromTheMomentStampsAreMoved) {
+  SweepDetector detector(test::smallParameters(), patient());
+  detector.setCamera(test::smallCamera(), test::smallCameraPose());
+  std::vector<Frame> seen;
+  int compared = 0;
+  LateImages(0.08).drive(detector, [&](const Frame& frame, FrameStatus status) {
+    const RefinedMotion& refined = detector.refinedMotion();
+    for (const Frame& other : seen) {
+      if (status != FrameStatus::Used || other.stamp != refined.reference_stamp) continue;
+      if (std::abs(frame.time_offset + 0.08) > 0.01) continue;
+      const SE2 truth = swing().at(frame_period * static_cast<double>(other.index)).inverse() *
+                        swing().at(frame_period * static_cast<double>(frame.index));
+      EXPECT_NEAR(refined.motion.theta, truth.theta, 0.003) << "frame " << frame.index;
+      EXPECT_NEAR(refined.motion.x, truth.x, 0.003) << "frame " << frame.index;
+      compared += other.time_offset != frame.time_offset;
+    }
+    seen.push_back(frame);
+  });
+  EXPECT_GT(compared, 2) << "across the change";
+}
+
 TEST_F(LateDetector, PassesItOnToADetectorOfTheSameCamera) {
   const auto learnt = drive(0.08, patient());
   SweepParameters changed = test::smallParameters();

@@ -116,10 +116,10 @@ class CheckCamera(unittest.TestCase):
     def test_too_little_floor_motion_exits_with_3_and_says_what_to_do(self):
         pose = "--camera-pose=0,0,%g,%g" % (bags.CAMERA_HEIGHT, bags.PITCH)
         still = os.path.join(self.folder.name, "still.bag")
-        bags.write_bag(still, info=True, still=True)
+        bags.write_bag(still, info=True, way=bags.standing)
         self.refused(3, "not enough floor motion", still, pose)
         self.refused(3, "drive a metre", still, pose)
-        bags.write_bag(still, info=True, still=True, clock=0.15)  # the first images have no odometry
+        bags.write_bag(still, info=True, way=bags.standing, clock=0.15)  # the first images have no odometry
         self.refused(3, "drive a metre", still, pose)
         self.refused(3, "frames dropped: image older", still, pose)
         plain = os.path.join(self.folder.name, "plain.bag")
@@ -141,6 +141,21 @@ class CheckCamera(unittest.TestCase):
         self.assertLess(abs(readout), 12.0)
         self.assertLess(sigma, 20.0, "the prior's")
         self.assertEqual(stated, 0.0)
+
+    def test_tells_by_how_much_stamps_are_late(self):
+        pose = "--camera-pose=0,0,%g,%g" % (bags.CAMERA_HEIGHT, bags.PITCH)
+        late = os.path.join(self.folder.name, "clock.bag")
+        for clock, words in ((-0.06, "late: add -0.06"), (0.05, "early: add 0.05")):
+            bags.write_bag(late, info=True, frames=FRAMES + 15, picture=textured_floor, clock=clock,
+                           way=lambda t: 0.25 * t + 0.1 * math.sin(2.2 * t))
+            result = self.run_it(late, pose)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            found = re.search(r"^time_offset_ms: (-?[\d.]+) \+- ([\d.]+)", result.stdout, re.MULTILINE)
+            self.assertAlmostEqual(float(found.group(1)), 1000.0 * clock, delta=6.0)
+            self.assertLess(float(found.group(2)), 12.0)
+            self.assertRegex(result.stdout, "too " + words)
+            self.assertLess(abs(self.value("pitch_deg", result.stdout)[0] - math.degrees(bags.PITCH)),
+                            0.2)
 
     def test_a_pose_that_is_far_off_is_not_guessed(self):
         result = self.run_it(self.bag, "--set", "calibration/max_tilt=0.002",

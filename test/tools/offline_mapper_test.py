@@ -63,17 +63,22 @@ def camera_transform(time):
     return transform
 
 
+def standing(_):
+    return 0.0
+
+
 def write_bag(path, images=True, odometry=True, info=False, encoding="mono8", frames=12, fx=FOCAL,
-              still=False, wheels=1.0, picture=floor_picture, clock=0.0, tf=False, frame="camera"):
-    """A robot that drives at 0.25 m/s; 10 pictures a second, odometry at 50 Hz, whose wheels see
-    `wheels` times the way and whose clock is `clock` seconds ahead."""
+              way=lambda t: 0.25 * t, wheels=1.0, picture=floor_picture, clock=0.0, tf=False,
+              frame="camera"):
+    """A robot that has driven `way` metres after so many seconds; 10 pictures a second, odometry at
+    50 Hz, whose wheels see `wheels` times the way and whose clock is `clock` seconds ahead."""
     with rosbag.Bag(path, "w") as bag:
         if tf:
             start = rospy.Time.from_sec(1000.0)
             bag.write("/tf_static", TFMessage([camera_transform(start)]), start)
         for k in range(5 * frames - 2):
             t = rospy.Time.from_sec(1000.0 + 0.02 * k)
-            x = 0.0 if still else 0.25 * 0.02 * k
+            x = way(0.02 * k)
             if odometry:
                 message = Odometry()
                 message.header.stamp = t + rospy.Duration.from_sec(clock)
@@ -228,7 +233,7 @@ class OfflineMapper(unittest.TestCase):
         write_bag(self.bag, info=True)
         _, named = self.results("--fpga", "--overlays", "3")
         self.assertEqual(named, sorted(os.listdir(self.out)))
-        write_bag(self.bag, info=True, still=True)
+        write_bag(self.bag, info=True, way=standing)
         _, named = self.results("--overlays", "3")
         self.assertFalse({"overlay.png", "overlays", "fifo.bin"} & set(named), named)
         left = set(os.listdir(self.out)) - {"overlays"}
@@ -322,7 +327,7 @@ class OfflineMapper(unittest.TestCase):
         self.assertEqual(len(tables), 1, names)
 
     def test_a_robot_that_stands_is_no_error(self):
-        write_bag(self.bag, info=True, still=True)
+        write_bag(self.bag, info=True, way=standing)
         result = self.run_it(self.bag, "--out", self.out, self.pose)
         self.assertEqual(result.returncode, 0, result.stderr)
         with open(os.path.join(self.out, "report.json"), encoding="utf-8") as file:

@@ -60,6 +60,7 @@ struct CalibrationParameters {
   double time_offset_sigmas = 2.0;
   double warn_tilt = 0.0052;
   double warn_height = 0.01;
+  double warn_time_offset = 0.02;
   double warn_sigmas = 3.0;
 
   template <class Self, class Visitor>
@@ -181,6 +182,8 @@ struct CalibrationParameters {
     field("warn_tilt", self.warn_tilt, Unit{"rad"}, Range{0.0, 0.5},
           "diagnostics warn when the stated pitch or roll is off by more, and by warn_sigmas");
     field("warn_height", self.warn_height, Unit{"m"}, Range{0.0, 1.0}, "the same of the height");
+    field("warn_time_offset", self.warn_time_offset, Unit{"s"}, Range{0.0, 1.0},
+          "check_camera asks for another camera/image_time_offset where it is off by more");
     field("warn_sigmas", self.warn_sigmas, Unit{"sigma"}, Range{0.0, 100.0},
           "how sure such a warning is");
   }
