@@ -19,7 +19,7 @@ struct Frame {
   double stamp = 0.0;  ///< seconds
   GrayView image;      ///< raw mono8; only valid during the call
   SE2 T_odom_base;
-  Velocity velocity;         ///< at the stamp
+  Velocity velocity = {};    ///< at the stamp
   double time_offset = 0.0;  ///< seconds that the stamp was moved by because of timeOffset()
 };
 
