@@ -11,6 +11,7 @@ SHOWN = [("false_percent", "false %"), ("median_error_cm", "median cm"),
          ("recall_percent", "recall %")]
 SCENE = "lab_normal"
 FRAMES = 60
+WEAVING, WEAVING_FRAMES = "late_stamps", 120
 NOISE, FULL_WELL = 1.3, 9000  # grey levels in the mid-tones; electrons
 DEGREE = math.pi / 180
 
@@ -72,6 +73,14 @@ def _speed(value):
     return Case(SCENE, ["drive=[" + ", ".join(rows) + "]"], round(FRAMES / ratio))
 
 
+def _weaving(key):
+    """A robot that weaves, its stamps right unless they are what is changed; in milliseconds."""
+    def case(value):
+        changes = {"stamp_error": 0.0, key: 1e-3 * value}
+        return Case(WEAVING, [f"sensor.{k}={v:g}" for k, v in changes.items()], WEAVING_FRAMES)
+    return case
+
+
 def _baseline(value, detector):
     """Metres between the two frames that are compared, in each detector's own words."""
     if detector == "default":
@@ -101,4 +110,7 @@ def sweeps():
         Sweep("speed", "m per s", [0.125, 0.25, 0.5, 1.0], _speed),
         Sweep("sensor noise", "grey levels in the mid-tones",
               [0.5 * NOISE, NOISE, 2 * NOISE, 4 * NOISE], _noisy),
+        Sweep("stamp error", "ms too late, while weaving", [-100, -50, 0, 50, 100, 150],
+              _weaving("stamp_error")),
+        Sweep("readout time", "ms, while weaving", [0, 10, 20, 30, 40], _weaving("readout_time")),
     ]
