@@ -11,6 +11,7 @@
 #include <set>
 #include <vector>
 
+#include "ipm_mapping/ros/header_stamp.hpp"
 #include "ipm_mapping/ros/odometry_source.hpp"
 
 namespace ipm_mapping {
@@ -57,10 +58,10 @@ BagSource::Image imageOf(const rosbag::MessageInstance& message) {
   GrayPicture picture;
   Refusal refusal;
   if (const auto raw = message.instantiate<sensor_msgs::Image>()) {
-    image.stamp = raw->header.stamp.toSec();
+    image.stamp = stampOf(raw->header);
     refusal = toGray(raw, picture);
   } else if (const auto compressed = message.instantiate<sensor_msgs::CompressedImage>()) {
-    image.stamp = compressed->header.stamp.toSec();
+    image.stamp = stampOf(compressed->header);
     refusal = toGray(*compressed, picture);
   } else {
     refusal = "message of type " + message.getDataType() + " is not an image";
@@ -133,7 +134,7 @@ void BagSource::read(const Handlers& handlers) const {
       handlers.image(image);
       if (handlers.progress) handlers.progress(done / total);
     } else if (const auto odometry = message.instantiate<nav_msgs::Odometry>()) {
-      handlers.odometry(odometry->header.stamp.toSec(), message.getTime().toSec(), *odometry);
+      handlers.odometry(stampOf(odometry->header), message.getTime().toSec(), *odometry);
     }
     done += 1.0;
   }

@@ -65,7 +65,7 @@ std::string explain(GateDrop reason, const std::string& odometry) {
     case GateDrop::OutOfOrder:
       return "image is not newer than the one before it";
     case GateDrop::BadStamp:
-      return "image without a usable stamp";
+      return "image without a stamp: its header.stamp is 0";
     case GateDrop::ClockJump:
       return "image still waited for odometry when the clock was set back";
   }
@@ -74,7 +74,7 @@ std::string explain(GateDrop reason, const std::string& odometry) {
 
 const char* explain(OdometryVerdict refusal) {
   return refusal == OdometryVerdict::NotFinite
-             ? "not finite, or with an orientation that is no unit quaternion"
+             ? "not finite, without a stamp, or with an orientation that is no unit quaternion"
              : "jumps farther than odometry/max_speed and odometry/max_jump allow";
 }
 

@@ -1,9 +1,11 @@
 #include "ipm_mapping/ros/frame_source.hpp"
 
+#include <cmath>
 #include <utility>
 
 #include "ipm_mapping/ros/camera_info.hpp"
 #include "ipm_mapping/ros/frame_faults.hpp"
+#include "ipm_mapping/ros/header_stamp.hpp"
 #include "ipm_mapping/ros/parameter_loader.hpp"
 #include "ipm_mapping/ros/sentence.hpp"
 
@@ -94,8 +96,9 @@ void FrameSource::onImage(const CameraMessage& message) {
   monitor_.received();
   monitor_.lost(gaps_.missing(message.header().seq));
   optical_frame_ = withoutSlash(message.header().frame_id);
-  newest_image_ = message.header().stamp.toSec() + camera_parameters_.image_time_offset;
-  if (gate_.addFrame(newest_image_, {next_index_++, message}, now())) {
+  const double stamp = stampOf(message.header()) + camera_parameters_.image_time_offset;
+  if (std::isfinite(stamp)) newest_image_ = stamp;
+  if (gate_.addFrame(stamp, {next_index_++, message}, now())) {
     waiting_since_.reset();
     restart("clock of the images was set back");
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "ipm_mapping/ros/header_stamp.hpp"
 #include "ipm_mapping/ros/poses.hpp"
 
 namespace ipm_mapping {
@@ -41,7 +42,7 @@ void OdometrySource::name(const std::string& base, const std::string& odom) {
 
 void OdometrySource::onOdometry(const nav_msgs::OdometryConstPtr& odometry) {
   name(odometry->child_frame_id, odometry->header.frame_id);
-  handler_(odometry->header.stamp.toSec(), toSE2(odometry->pose.pose));
+  handler_(stampOf(odometry->header), toSE2(odometry->pose.pose));
 }
 
 /// Poses far older than the newest one: a bag began anew, or the robot's clock did.

@@ -70,8 +70,8 @@ TEST(FrameFaults, WithoutAUsedFrameEveryReasonIsNamed) {
   report.odometry["not_finite"] = 3;
   EXPECT_EQ(frameConcern(report, topics),
             "none of 10 frames used: encoding (1), odometry on /wheels does not reach the images' "
-            "stamps (2), the robot stands (7); refused messages on /wheels: not finite, or with an "
-            "orientation that is no unit quaternion (3)");
+            "stamps (2), the robot stands (7); refused messages on /wheels: not finite, without a "
+            "stamp, or with an orientation that is no unit quaternion (3)");
 }
 
 }  // namespace

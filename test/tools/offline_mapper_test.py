@@ -69,9 +69,10 @@ def standing(_):
 
 def write_bag(path, images=True, odometry=True, info=False, encoding="mono8", frames=12, fx=FOCAL,
               way=lambda t: 0.25 * t, wheels=1.0, picture=floor_picture, clock=0.0, tf=False,
-              frame="camera"):
+              frame="camera", unstamped=()):
     """A robot that has driven `way` metres after so many seconds; 10 pictures a second, odometry at
-    50 Hz, whose wheels see `wheels` times the way and whose clock is `clock` seconds ahead."""
+    50 Hz, whose wheels see `wheels` times the way and whose clock is `clock` seconds ahead. `unstamped`:
+    "images", "odometry"."""
     with rosbag.Bag(path, "w") as bag:
         if tf:
             start = rospy.Time.from_sec(1000.0)
@@ -81,7 +82,8 @@ def write_bag(path, images=True, odometry=True, info=False, encoding="mono8", fr
             x = way(0.02 * k)
             if odometry:
                 message = Odometry()
-                message.header.stamp = t + rospy.Duration.from_sec(clock)
+                if "odometry" not in unstamped:
+                    message.header.stamp = t + rospy.Duration.from_sec(clock)
                 message.header.frame_id = "odom"
                 message.child_frame_id = "base_footprint"
                 message.pose.pose.position.x = wheels * x
@@ -89,7 +91,9 @@ def write_bag(path, images=True, odometry=True, info=False, encoding="mono8", fr
                 bag.write("/odom", message, t)
             if images and k % 5 == 0:
                 image = Image(height=HEIGHT, width=WIDTH, encoding=encoding, step=WIDTH)
-                image.header.stamp, image.header.frame_id = t, frame
+                image.header.frame_id = frame
+                if "images" not in unstamped:
+                    image.header.stamp = t
                 image.data = picture(x).tobytes()
                 bag.write("/camera/rgb/image_raw", image, t)
                 if info:
@@ -187,11 +191,11 @@ class OfflineMapper(unittest.TestCase):
     def test_says_why_frames_were_dropped(self):
         for faults, words in (
                 ({"wheels": math.nan}, ["none of 12 frames used", "does not reach", "(12)",
-                                        "refused messages on /odom: not finite, or with an "
+                                        "refused messages on /odom: not finite, without a stamp, or with an "
                                         "orientation that is no unit quaternion (58)"]),
                 ({"clock": 1000.0}, ["none of 12 frames used", "older than all odometry on /odom (12)"]),
                 ({"wheels": 1000.0}, ["none of 12 frames used", "jumps farther than odometry/max_speed"]),
-                ({"still": True}, ["none of 12 frames used", "the robot stands (11)"]),
+                ({"way": standing}, ["none of 12 frames used", "the robot stands (11)"]),
                 ({"clock": 0.15}, ["2 of 12 frames dropped: image older than all odometry"])):
             write_bag(self.bag, info=True, **faults)
             warnings, _ = self.results()
@@ -228,6 +232,14 @@ class OfflineMapper(unittest.TestCase):
                                        "camera/pitch=0.45", "--set", "camera/pose_from_tf=false"), [])
         write_bag(self.bag, info=True, tf=True, frame="/camera")
         self.assertEqual(self.warnings(), [], "tf knows no slash")
+
+    def test_says_that_a_driver_sets_no_stamps(self):
+        write_bag(self.bag, info=True, unstamped=["images"])
+        self.assertEqual(self.warnings(self.pose), [
+            "none of 12 frames used: image without a stamp: its header.stamp is 0 (12)"])
+        write_bag(self.bag, info=True, unstamped=["odometry"])
+        told = self.warnings(self.pose)[0]
+        self.assertIn("refused messages on /odom: not finite, without a stamp", told)
 
     def test_names_the_files_that_it_wrote_and_no_others(self):
         write_bag(self.bag, info=True)
