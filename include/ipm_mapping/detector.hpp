@@ -23,6 +23,13 @@ struct Frame {
   double time_offset = 0.0;  ///< seconds that the stamp was moved by because of timeOffset()
 };
 
+/// Why history begins anew.
+enum class Restart : std::uint8_t {
+  Missed,   ///< nobody listened for a while
+  Clock,    ///< a clock was set back
+  Odometry  ///< odometry jumped, or began at zero again
+};
+
 /// What a detector did with a frame. Everything but Used is a reason to count.
 enum class FrameStatus : std::uint8_t {
   Used,               ///< the answer is valid

@@ -81,7 +81,8 @@ class SimulatedRobot {
     while (!stopping_ && ros::ok()) {
       const double time = frame / scene_.rate;
       // Odometry up to the end of the exposure is there one reading later.
-      const double ready = time + exposed + 1.5 / scene_.odometry.rate;
+      const double late = std::max(0.0, scene_.sensor.stamp_error);
+      const double ready = time + late + exposed + 1.5 / scene_.odometry.rate;
       const double wait = ready - (ros::Time::now() - start_).toSec();
       if (wait > 0.0) std::this_thread::sleep_for(std::chrono::duration<double>(wait));
       camera_.capture(frame, time, robot, grey);

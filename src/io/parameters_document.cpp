@@ -119,6 +119,7 @@ std::map<std::string, FieldText> everyParameter() {
     describeInto(all, std::string(name) + "/", group);
   });
   describeInto(all, "", SourceParameters{});
+  describeInto(all, "", FloorLocaliserParameters{});
   describeInto(all, "", TransportParameters{});
   describeInto(all, "", MapperParameters{});
   return all;
@@ -153,6 +154,7 @@ std::string parameterTables(const std::string& heading) {
                      [&](const char* name, const auto& group) { add(name, table(group)); });
   add("What the profiles change", profileTable());
   add("Nodelets that start from camera images (`~NAME`)", table(SourceParameters{}));
+  add("Detectors in one piece (`~NAME`)", table(FloorLocaliserParameters{}));
   add("Nodelets that take or draw on camera images (`~NAME`)", table(TransportParameters{}));
   add("Nodelets between two others (`~NAME`)", table(StageParameters{}));
   add("Mapper (`~NAME`)", table(MapperParameters{}));

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <pluginlib/class_list_macros.hpp>
@@ -7,6 +8,7 @@
 #include "ipm_mapping/detectors/pipeline.hpp"
 #include "ipm_mapping/ros/calibration_diagnostics.hpp"
 #include "ipm_mapping/ros/detector_pictures.hpp"
+#include "ipm_mapping/ros/floor_localiser.hpp"
 #include "ipm_mapping/ros/frame_source.hpp"
 #include "ipm_mapping/ros/live_parameters.hpp"
 #include "ipm_mapping/ros/obstacle_outputs.hpp"
@@ -30,17 +32,22 @@ class Detect : public StageNodelet {
               detector_->setCamera(camera, T_base_camera);
               memory_.clear();
             },
-            [this] { forget(); },
+            [this](Restart cause) { forget(cause); },
             [this](const Frame& frame, const FrameInfo& info) { return process(frame, info); },
             [this] { return detector_->timeOffset(); }});
     monitor().setAsleep(true);
     obstacle_outputs_.emplace(node(), outputs_, parameters.output);
     refined_odometry_.emplace(node(), outputs_, parameters);
+    localiser_.emplace(loadStruct<FloorLocaliserParameters>(privateNode()));
     overlay_ = outputs_.advertiseImage(node(), "overlay");
     difference_ = outputs_.advertiseImage(node(), "difference_image");
     score_ = outputs_.advertiseImage(node(), "score_image");
     live_.emplace(privateNode(), parameters, liveGroups(),
                   [this](const Parameters& changed) { change(changed); });
+    if (localiser_->active()) {  // tf has listeners that this nodelet does not see
+      outputs_.stayAwake();
+      setAwake(true);
+    }
   }
 
   /// Everything but what the map and the odometry's gate are made with.
@@ -77,17 +84,23 @@ class Detect : public StageNodelet {
     guarded([&] { awake ? source_->start() : source_->stop(); });
   }
 
-  void forget() {
+  void forget(Restart cause) {
     detector_->reset();
     memory_.clear();
     refined_odometry_->reset();
+    localiser_->restart(cause);
   }
 
   FrameStatus process(const Frame& frame, const FrameInfo& info) {
     const FrameStatus status = detector_->process(frame, obstacles_);
-    Frame placed = frame;
-    placed.T_odom_base = obstacles_.view.T_odom_base =
+    const SE2& refined =
         refined_odometry_->follow(*detector_, frame, status, info.header.stamp, info.frames);
+    const SE2 T_map_odom =
+        localiser_->publish(frame.T_odom_base, refined, info.header.stamp, info.frames);
+    if (localiser_->active()) showCorrection(T_map_odom);
+    Frame placed = frame;
+    if (placesByFloor()) placed.T_odom_base = refined;
+    obstacles_.view.T_odom_base = placed.T_odom_base;
     if (memory_.follow(placed, status, obstacles_))
       obstacle_outputs_->publish(obstacles_, info.header.stamp, info.frames, detector_->id());
     if (status == FrameStatus::Used) {
@@ -97,7 +110,19 @@ class Detect : public StageNodelet {
     monitor().set("contacts", static_cast<double>(obstacles_.contacts.size()));
     monitor().set("separability", obstacles_.separability);
     if (const auto calibration = detector_->calibration()) showCalibration(*calibration, monitor());
+    monitor().set("stamps_moved_ms", 1000.0 * frame.time_offset);
     return status;
+  }
+
+  /// tf says already where the floor puts the wheels' frame: not twice.
+  [[nodiscard]] bool placesByFloor() const {
+    return parameters_.floor_odometry.poses == Poses::Refined && !localiser_->active();
+  }
+
+  void showCorrection(const SE2& T_map_odom) {
+    monitor().set("map_odom_x_m", T_map_odom.x);
+    monitor().set("map_odom_y_m", T_map_odom.y);
+    monitor().set("map_odom_yaw_deg", T_map_odom.theta * 180.0 / M_PI);
   }
 
   void publishPictures(const std_msgs::Header& header) {
@@ -116,6 +141,7 @@ class Detect : public StageNodelet {
   LazyOutputs outputs_{[this](bool awake) { setAwake(awake); }};
   std::optional<ObstacleOutputs> obstacle_outputs_;
   std::optional<RefinedOdometry> refined_odometry_;
+  std::optional<FloorLocaliser> localiser_;
   std::optional<LiveParameters> live_;
   image_transport::Publisher overlay_, difference_, score_;
   Image<std::uint8_t> picture_;

@@ -26,7 +26,7 @@ class FpgaModel : public StageNodelet {
             [this](const CameraModel& camera, const CameraPose& T_base_camera) {
               setCamera(camera, T_base_camera);
             },
-            [this] { model_->reset(); },
+            [this](Restart) { model_->reset(); },
             [this](const Frame& frame, const FrameInfo& info) { return process(frame, info); }});
     monitor().setAsleep(true);
     advertise();

@@ -25,7 +25,7 @@ class Ipm : public StageNodelet {
             [this](const CameraModel& camera, const CameraPose& T_base_camera) {
               ipm_->setCamera(camera, T_base_camera);
             },
-            [this] { ipm_->reset(); },
+            [this](Restart) { ipm_->reset(); },
             [this](const Frame& frame, const FrameInfo& info) { return process(frame, info); }});
     monitor().setAsleep(true);
     live_.emplace(privateNode(), parameters, std::vector<std::string>{"reference", "camera"},

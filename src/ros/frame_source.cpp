@@ -57,7 +57,7 @@ void FrameSource::start() {
   odometry_received_ = odometry_refused_ = 0;
   started_ = ros::WallTime::now();
   any_pose_ = false;
-  handlers_.reset();
+  handlers_.reset(Restart::Missed);
   odometry_.start();
   images_.start();
   pumper_.start();
@@ -86,10 +86,10 @@ void FrameSource::remindOfImages() {
                 repeat_silence);
 }
 
-void FrameSource::restart(const char* why) {
+void FrameSource::restart(Restart cause, const char* why) {
   monitor_.count("resets");
   monitor_.warn(sentence(why, ", history starts anew"));
-  handlers_.reset();
+  handlers_.reset(cause);
 }
 
 void FrameSource::onImage(const CameraMessage& message) {
@@ -100,7 +100,7 @@ void FrameSource::onImage(const CameraMessage& message) {
   if (std::isfinite(stamp)) newest_image_ = stamp;
   if (gate_.addFrame(stamp, {next_index_++, message}, now())) {
     waiting_since_.reset();
-    restart("clock of the images was set back");
+    restart(Restart::Clock, "clock of the images was set back");
   }
   pump();
 }
@@ -119,8 +119,10 @@ void FrameSource::onOdometry(double stamp, const SE2& T_odom_base) {
     monitor_.warn(sentence("odometry is dropped: ", explain(verdict)));
   if (anew) {
     waiting_since_.reset();
-    restart(verdict == OdometryVerdict::TimeJump ? "clock of the odometry was set back"
-                                                 : "odometry jumped");
+    if (verdict == OdometryVerdict::TimeJump)
+      restart(Restart::Clock, "clock of the odometry was set back");
+    else
+      restart(Restart::Odometry, "odometry jumped");
   }
   pump();
 }

@@ -8,7 +8,7 @@
 namespace ipm_mapping {
 
 void LazyOutputs::update() {
-  bool wanted = false;
+  bool wanted = always_;
   for (const auto& each : publishers_) wanted = wanted || each.getNumSubscribers() > 0;
   for (const auto& each : pictures_) wanted = wanted || each.getNumSubscribers() > 0;
   if (wanted == awake_) return;

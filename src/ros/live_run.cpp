@@ -63,7 +63,7 @@ std::string runLive(const std::string& node_name, const OfflineOptions& options,
                      {[&](const CameraModel& camera, const CameraPose& T_base_camera) {
                         detector.setCamera(camera, T_base_camera);
                       },
-                      [&] { detector.reset(); },
+                      [&](Restart) { detector.reset(); },
                       [&](const Frame& frame, const FrameInfo&) {
                         ++frames;
                         return detector.process(frame, obstacles);

@@ -43,16 +43,14 @@ void toMessage(const sweep::FloorPose& pose, const FrameNames& frames,
 RefinedOdometry::RefinedOdometry(ros::NodeHandle& node, LazyOutputs& outputs,
                                  const Parameters& parameters)
     : odometry_(parameters.sweep, parameters.floor_odometry),
-      poses_(parameters.floor_odometry.poses),
       publisher_(outputs.advertise<nav_msgs::Odometry>(node, "odom_refined")) {}
 
 void RefinedOdometry::setParameters(const Parameters& parameters) {
-  poses_ = parameters.floor_odometry.poses;
   odometry_.configure(parameters.sweep, parameters.floor_odometry);
 }
 
-SE2 RefinedOdometry::follow(const Detector& detector, const Frame& frame, FrameStatus status,
-                            const ros::Time& stamp, const FrameNames& frames) {
+const SE2& RefinedOdometry::follow(const Detector& detector, const Frame& frame, FrameStatus status,
+                                   const ros::Time& stamp, const FrameNames& frames) {
   const sweep::FloorPose& pose = odometry_.add(floorObservation(detector, frame, status));
   if (publisher_.getNumSubscribers() > 0) {
     auto message = boost::make_shared<nav_msgs::Odometry>();
@@ -60,7 +58,7 @@ SE2 RefinedOdometry::follow(const Detector& detector, const Frame& frame, FrameS
     toMessage(pose, frames, *message);
     publisher_.publish(message);
   }
-  return poses_ == Poses::Refined ? pose.T_odom_base : frame.T_odom_base;
+  return pose.T_odom_base;
 }
 
 }  // namespace ipm_mapping

@@ -14,6 +14,10 @@ CameraCheck::CameraCheck(const SweepParameters& sweep, const CalibrationParamete
     : parameters_(sweep), calibration_(calibration, sweep.refinement) {}
 
 void CameraCheck::setCamera(const CameraModel& camera, const CameraPose& T_base_camera) {
+  if (!(camera == camera_)) {
+    calibration_.forgetCamera();
+    time_offset_ = 0.0;
+  }
   camera_ = camera;
   T_base_camera_ = T_base_camera;
   const double range = effectiveMaxRange(camera, T_base_camera, parameters_.grid.max_range);
@@ -24,7 +28,6 @@ void CameraCheck::setCamera(const CameraModel& camera, const CameraPose& T_base_
   calibration_.setCamera(T_base_camera);
   calibration_.configure(rectification_, rectification_.ranges(), CalibrationVector::Zero());
   current_.image.resize(grid_.rows, grid_.lines);
-  time_offset_ = 0.0;
   view_ = {};
   stated_errors_.clear();
   estimated_errors_.clear();

@@ -14,15 +14,25 @@ constexpr double gain_scale = 100.0;  // keeps the normal equations well conditi
 constexpr double least_spread = 1.0, most_spread = 4.0;  // grey levels
 constexpr double tukey = 2.5;
 constexpr double median_to_sigma = 1.48;
-constexpr double converged = 2e-5;  // radians, log height and metres
+constexpr double converged = 2e-5;  // radians, log height, metres, seconds
 constexpr int margin = 3;           // rows that a sample keeps from the edge of the view
 constexpr double certainty = 1e12;  // information of what shall not move
 
+constexpr int shared_unknowns = CalibrationIndex::count;
 /// Where the unknowns of a pixel's residual stand among all: pitch, roll, yaw, log height, then
 /// motion and sway, readout time, then gain and offset.
-constexpr int n = CalibrationIndex::count;
-constexpr std::array<int, 12> place_of{
-    0, 1, 2, 3, n, n + 1, n + 2, n + 3, n + 4, CalibrationIndex::ReadoutTime, n + 5, n + 6};
+constexpr std::array<int, 12> place_of{0,
+                                       1,
+                                       2,
+                                       3,
+                                       shared_unknowns,
+                                       shared_unknowns + 1,
+                                       shared_unknowns + 2,
+                                       shared_unknowns + 3,
+                                       shared_unknowns + 4,
+                                       CalibrationIndex::ReadoutTime,
+                                       shared_unknowns + 5,
+                                       shared_unknowns + 6};
 
 }  // namespace
 

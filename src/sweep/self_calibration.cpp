@@ -1,5 +1,6 @@
 #include "ipm_mapping/sweep/self_calibration.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -7,6 +8,7 @@ namespace ipm_mapping::sweep {
 namespace {
 
 using I = CalibrationIndex;
+static_assert(I::ReadoutTime == I::count - 2 && I::TimeOffset == I::count - 1, "the camera's own");
 
 constexpr double known_time = 1e-6;      // seconds: how well, if it is not to be learnt
 constexpr double longest_readout = 0.1;  // seconds
@@ -14,6 +16,7 @@ constexpr double longest_readout = 0.1;  // seconds
 }  // namespace
 
 void SelfCalibration::setCamera(const CameraPose& T_base_camera) {
+  const CalibrationInformation of_the_camera = knownOfTheCamera();
   stated_ = StatedCamera(T_base_camera);
   T_base_camera_ = T_base_camera;
   const CalibrationParameters& p = parameters_;
@@ -25,7 +28,26 @@ void SelfCalibration::setCamera(const CameraPose& T_base_camera) {
   sd[I::LogHeight] = p.sd_height / stated_.height;
   prior_right_height_.information = sd.cwiseAbs2().cwiseInverse().asDiagonal();
   forget();
+  learnt_.evidence = of_the_camera;
+  learnt_.aligned = learnt_.state = known().mean();
+  learnt_.covariance = known().covariance();
   reset();
+}
+
+/// What is left of the evidence about readout time and clock when all else is unknown.
+CalibrationInformation SelfCalibration::knownOfTheCamera() const {
+  CalibrationInformation result;
+  if (learnt_.pairs == 0) {
+    result.information.bottomRightCorner<2, 2>() =
+        learnt_.evidence.information.bottomRightCorner<2, 2>();
+    result.vector.tail<2>() = learnt_.evidence.vector.tail<2>();
+    return result;
+  }
+  const Eigen::Matrix2d information = learnt_.covariance.bottomRightCorner<2, 2>().inverse();
+  result.information.bottomRightCorner<2, 2>() =
+      information - prior_.information.bottomRightCorner<2, 2>();
+  result.vector.tail<2>() = information * learnt_.state.tail<2>() - prior_.vector.tail<2>();
+  return result;
 }
 
 void SelfCalibration::forget() {
@@ -58,14 +80,21 @@ double SelfCalibration::baseline() const {
   return stated_.height * std::clamp(p.short_baseline * share, p.short_baseline, p.long_baseline);
 }
 
-/// A turn shows what is not known yet about the readout and the stamps, and may soon be over.
+/// A turn shows what is not known yet about the readout, its beginning and end what is not known
+/// about the stamps, and either may soon be over.
+bool SelfCalibration::telling(const Velocity& velocity) const {
+  const CalibrationParameters& p = parameters_;
+  const double turn = std::abs(velocity.theta);
+  const double changed = std::abs(velocity.theta - last_velocity_.theta);
+  return (p.learn_readout && turn > p.readout_turn && sigma(I::ReadoutTime) > p.readout_known) ||
+         (p.learn_time_offset && changed > p.readout_turn &&
+          sigma(I::TimeOffset) > p.time_offset_known);
+}
+
 bool SelfCalibration::due(const RectifiedFrame& current) const {
   if (!seen_any_) return true;
   const CalibrationParameters& p = parameters_;
-  const bool unknown =
-      sigma(I::ReadoutTime) > p.readout_known || sigma(I::TimeOffset) > p.time_offset_known;
-  const bool telling = unknown && std::abs(current.velocity.theta) > p.readout_turn;
-  const double spacing = telling ? stated_.height * p.short_baseline
+  const double spacing = telling(current.velocity) ? stated_.height * p.short_baseline
                          : confident() && !learnt_.height_in_doubt
                              ? stated_.height * p.settled_spacing
                              : std::min(baseline(), stated_.height * p.spacing);
@@ -85,6 +114,7 @@ bool SelfCalibration::offer(const RectifiedFrame& current, const ReferenceRing& 
   if (reference_ == nullptr || reference_->sheared) return false;
   seen_any_ = true;
   last_pair_ = current.T_odom_base;
+  last_velocity_ = current.velocity;
   compare({current, *reference_});
   if (evidence_.used) {
     learnt_.refused = 0;
@@ -178,11 +208,16 @@ bool SelfCalibration::readoutDiffers(double in_force) const {
          change > std::max(parameters_.apply_readout, surely);
 }
 
+double SelfCalibration::timeOffset() const {
+  const double most = parameters_.max_time_offset;
+  return std::clamp(learnt_.state[I::TimeOffset], -most, most);
+}
+
 bool SelfCalibration::timeOffsetDiffers(double in_force) const {
+  const CalibrationParameters& p = parameters_;
+  const double sigmas = confident() ? p.time_offset_sigmas : p.early_sigmas;
   const double change = std::abs(timeOffset() - in_force);
-  const double surely = parameters_.time_offset_sigmas * sigma(I::TimeOffset);
-  return learnt_.pairs > 0 && bounded() && std::abs(timeOffset()) <= parameters_.max_time_offset &&
-         change > std::max(parameters_.apply_time_offset, surely);
+  return believable() && change > std::max(p.apply_time_offset, sigmas * sigma(I::TimeOffset));
 }
 
 Sway SelfCalibration::remainingTilt() const {
@@ -205,7 +240,7 @@ CalibrationReport SelfCalibration::report() const {
   r.turn_scale = {1.0, 1.0 + learnt_.state[I::TurnScale], sigma(I::TurnScale)};
   r.yaw_rate = {0.0, learnt_.state[I::YawRate], sigma(I::YawRate)};
   r.readout = {parameters_.readout_time, readout(), sigma(I::ReadoutTime)};
-  r.time_offset = {0.0, timeOffset(), sigma(I::TimeOffset)};
+  r.time_offset = {0.0, learnt_.state[I::TimeOffset], sigma(I::TimeOffset)};
   r.ratio_sigma = ratioSigma();
   r.pairs = learnt_.pairs;
   r.believable = believable();

@@ -1,4 +1,5 @@
 // Self-calibration inside the detector: learnt beside the frames, applied between them.
+#include <algorithm>
 #include <cmath>
 
 #include "ipm_mapping/sweep/sweep_detector.hpp"
@@ -56,7 +57,8 @@ bool SweepDetector::adopt(const Detector& before) {
   if (known && calibration_mode_ == CalibrationMode::Apply && !in_force.isZero())
     rectifyWith(in_force);
   if (known && learn_readout_) workWith(other->readout_);
-  if (known && learn_time_offset_) time_offset_ = other->time_offset_;
+  const double most = calibration_.mostTimeOffset();
+  if (known && learn_time_offset_) time_offset_ = std::clamp(other->time_offset_, -most, most);
   free_floor_.adopt(other->free_floor_);
   last_ = other->last_;
   T_floor_last_ = other->T_floor_last_;
@@ -66,7 +68,9 @@ bool SweepDetector::adopt(const Detector& before) {
 /// What stamps are off changes nothing about where the camera is: whoever brings the frames is
 /// always told.
 void SweepDetector::applyTimeOffset() {
-  if (learn_time_offset_ && calibration_.timeOffsetDiffers(time_offset_))
+  if (!learn_time_offset_) return;
+  const bool forgotten = calibration_.pairs() == 0 && calibration_.timeOffset() == 0.0;
+  if (forgotten || calibration_.timeOffsetDiffers(time_offset_))
     time_offset_ = calibration_.timeOffset();
 }
 

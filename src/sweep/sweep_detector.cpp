@@ -31,11 +31,14 @@ SweepDetector::SweepDetector(const SweepParameters& parameters,
 }
 
 void SweepDetector::setCamera(const CameraModel& camera, const CameraPose& T_base_camera) {
+  if (!(camera == camera_)) {
+    calibration_.forgetCamera();
+    readout_ = readout_stated_;
+    time_offset_ = 0.0;
+  }
   camera_ = camera;
   T_base_stated_ = T_base_camera;
   calibration_.setCamera(T_base_camera);
-  readout_ = readout_stated_;
-  time_offset_ = 0.0;
   rectifyWith(CalibrationVector::Zero());
   reset();
 }

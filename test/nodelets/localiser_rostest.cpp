@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 
+#include "box_in_map.hpp"
 #include "chain_client.hpp"
 
 namespace ipm_mapping {
@@ -25,30 +25,6 @@ geometry_msgs::TransformStamped odomInMap(double stamp, const SE2& T_map_odom) {
   message.transform.rotation.w = std::cos(0.5 * T_map_odom.theta);
   return message;
 }
-
-/// Distance from the outline of the synthetic robot's box.
-double fromBox(double x, double y) {
-  const double dx = std::max({1.5 - x, x - 1.8, 0.0}), dy = std::max({-0.25 - y, y - 0.15, 0.0});
-  const double inside = std::min({x - 1.5, 1.8 - x, y + 0.25, 0.15 - y});
-  return inside > 0.0 ? inside : std::hypot(dx, dy);
-}
-
-struct Occupied {
-  int cells = 0, on_the_front = 0;
-  double farthest = 0.0;
-
-  explicit Occupied(const nav_msgs::OccupancyGrid& map) {
-    for (std::uint32_t i = 0; i < map.data.size(); ++i) {
-      if (map.data[i] != 100) continue;
-      const double x = map.info.origin.position.x + (i % map.info.width + 0.5) * resolution;
-      const double y = map.info.origin.position.y + (i / map.info.width + 0.5) * resolution;
-      ++cells;
-      on_the_front += std::abs(x - 1.5) < 0.06 && y > -0.25 && y < 0.15;
-      farthest = std::max(farthest, fromBox(x, y));
-    }
-  }
-  static constexpr double resolution = 0.05;
-};
 
 TEST(Localiser, ACorrectionMovesTheMapAndSmearsNothing) {
   ros::NodeHandle node;

@@ -265,13 +265,16 @@ TEST_F(EmptyFloor, WhatWasLearntServesFromThenOn) {
   EXPECT_NEAR(detector->readout(), 0.03, 0.004);
   detector->reset();
   EXPECT_LT(again(weave(0.03)), 1.15 * global);
-  // a detector with other parameters goes on with it, one with another camera does not
+  // a detector with other parameters goes on with it, and one whose camera is mounted elsewhere
   SweepParameters changed = test::smallParameters();
   changed.grid.max_range = 1.5;
   SweepDetector next(changed, patient());
   ASSERT_TRUE(next.adopt(*detector));
   EXPECT_NEAR(next.readout(), detector->readout(), 0.002);
+  const double learnt = detector->readout();
   detector->setCamera(test::smallCamera(), test::smallCameraPose(0.5));
+  EXPECT_EQ(detector->readout(), learnt);
+  detector->setCamera(test::smallCamera({}), test::smallCameraPose(0.5));
   EXPECT_EQ(detector->readout(), 0.0);
 }
 

@@ -121,18 +121,21 @@ class LateDetector : public ::testing::Test {
   static double worstMotion(Detector& any, double late) {
     auto& detector = dynamic_cast<SweepDetector&>(any);
     double worst = 0.0;
+    int compared = 0;
     std::vector<Frame> seen;
     LateImages(late).drive(detector, [&](const Frame& frame, FrameStatus status) {
       if (status == FrameStatus::Used) {
         const RefinedMotion& refined = detector.refinedMotion();
-        for (const Frame& other : seen)
-          if (other.stamp == refined.reference_stamp)
-            worst =
-                std::max(worst, std::abs((other.T_odom_base.inverse() * frame.T_odom_base).theta -
-                                         refined.motion.theta));
+        for (const Frame& other : seen) {
+          if (other.stamp != refined.reference_stamp) continue;
+          const SE2 odometry = other.T_odom_base.inverse() * frame.T_odom_base;
+          worst = std::max(worst, std::abs(odometry.theta - refined.motion.theta));
+          ++compared;
+        }
       }
       seen.push_back(frame);
     });
+    EXPECT_GT(compared, 10);
     return worst;
   }
 };
@@ -186,8 +189,25 @@ TEST_F(LateDetector, PassesItOnToADetectorOfTheSameCamera) {
   SweepDetector other(test::smallParameters(), off);
   ASSERT_TRUE(other.adopt(*learnt));
   EXPECT_EQ(other.timeOffset(), 0.0);
-  learnt->setCamera(test::smallCamera(), test::smallCameraPose(0.5));
-  EXPECT_EQ(learnt->timeOffset(), 0.0);
+}
+
+/// A clock belongs to the camera, wherever that is mounted.
+TEST_F(LateDetector, ForgetsItWithTheCameraOnly) {
+  const auto detector = drive(0.08, patient());
+  const double before = detector->timeOffset();
+  const CalibrationReport::Value learnt = detector->calibration()->time_offset;
+  for (const double pitch : {0.5, 0.45}) {
+    detector->setCamera(test::smallCamera(), test::smallCameraPose(pitch));
+    EXPECT_EQ(detector->timeOffset(), before);
+    const CalibrationReport r = *detector->calibration();
+    EXPECT_EQ(r.pairs, 0);
+    EXPECT_NEAR(r.time_offset.estimate, learnt.estimate, 1e-6);
+    EXPECT_NEAR(r.time_offset.sigma, learnt.sigma, 1e-6);
+    EXPECT_EQ(r.pitch.off(), 0.0);
+  }
+  detector->setCamera(test::smallCamera({}), test::smallCameraPose());
+  EXPECT_EQ(detector->timeOffset(), 0.0);
+  EXPECT_EQ(detector->calibration()->time_offset.estimate, 0.0);
 }
 
 TEST_F(LateDetector, LearnsNothingWhereThatIsNotWanted) {
@@ -203,7 +223,12 @@ TEST_F(LateDetector, LearnsNothingWhereThatIsNotWanted) {
 TEST_F(LateDetector, MovesNothingFartherThanIsAllowed) {
   CalibrationParameters p = patient();
   p.max_time_offset = 0.05;
-  EXPECT_EQ(drive(0.08, p)->timeOffset(), 0.0);
+  const auto detector = drive(0.08, p);
+  EXPECT_EQ(detector->timeOffset(), -0.05);
+  p.max_time_offset = 0.03;
+  SweepDetector next(test::smallParameters(), p);
+  ASSERT_TRUE(next.adopt(*detector));
+  EXPECT_EQ(next.timeOffset(), -0.03);
 }
 
 }  // namespace

@@ -111,6 +111,22 @@ class LaunchArguments(unittest.TestCase):
         for nodelet in ("ipm", "fpga_model"):
             self.assertEqual(found["/camera/%s/camera/image_time_offset" % nodelet], -0.25, nodelet)
 
+    def test_the_floor_is_the_localiser_only_where_it_is_asked(self):
+        for name, more in (("chain", []), ("move_base", []), ("replay", ["bag:=drive.bag"])):
+            found = parameters(name, *more)
+            self.assertNotIn("/camera/detector/map_frame", found, name)
+            self.assertEqual(found["/camera/mapper/global_frame"], "", name)
+            for given, frame in (([], "map"), (["global_frame:=world"], "world")):
+                found = parameters(name, "floor_localiser:=true", *given, *more)
+                self.assertEqual(found["/camera/detector/map_frame"], frame, name)
+                self.assertEqual(found["/camera/mapper/global_frame"], frame, name)
+                self.assertEqual(found["/camera/mapper/correction"], "keep", name)
+                if name == "move_base":
+                    self.assertEqual(found["/move_base/global_costmap/global_frame"], frame)
+        found = parameters("chain", "detector:=chain", "floor_localiser:=true")
+        self.assertNotIn("/camera/ipm/map_frame", found)
+        self.assertEqual(found["/camera/mapper/global_frame"], "", "nobody would publish it")
+
     def test_further_settings_arrive_at_the_nodelets_that_they_name(self):
         with tempfile.NamedTemporaryFile("w", suffix=".yaml") as file:
             file.write("mapper: {publish_rate: 2.5}\ndetector: {queue: 40}\n")

@@ -68,7 +68,7 @@ struct CalibrationParameters {
     field(
         "mode", self.mode,
         "off; report: estimates on /diagnostics beside the stated pose; apply: the detector works "
-        "with the estimated pose and odometry");
+        "with the estimated pose and odometry. Readout time and stamps are put right with both");
     field("readout_time", self.readout_time, Unit{"s"}, Range{-0.1, 0.1},
           "how long the camera takes to read an image, first row to last, as far as it is known: a "
           "rolling shutter shears what is seen while the robot turns; 0: all rows at once; "

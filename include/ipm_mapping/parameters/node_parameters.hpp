@@ -38,6 +38,23 @@ struct SourceParameters {
   }
 };
 
+/// A detector in one piece as localiser: what the floor shows to be wrong with the wheels, as tf.
+struct FloorLocaliserParameters {
+  std::string map_frame;
+  double transform_tolerance = 0.2;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& field) {
+    field(
+        "map_frame", self.map_frame,
+        "publishes the odometry's frame in this one, usually map, as tf: the wheels, and what the "
+        "floor shows to be wrong with them; empty: no tf");
+    field("transform_tolerance", self.transform_tolerance, Unit{"s"}, Range{0.0, 10.0},
+          "such a transform is dated so far into the future, so that whoever asks for the present "
+          "finds one until the next image");
+  }
+};
+
 /// How camera images come: whoever subscribes to image_raw, be it only for the overlay.
 struct TransportParameters {
   std::string image_transport = "raw";

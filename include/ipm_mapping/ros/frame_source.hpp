@@ -35,8 +35,8 @@ class FrameSource {
   struct Handlers {
     /// New calibration or camera pose: history is void.
     std::function<void(const CameraModel&, const CameraPose& T_base_camera)> camera;
-    /// Clock or pose jumped: history is void.
-    std::function<void()> reset;
+    /// History is void.
+    std::function<void(Restart)> reset;
     /// Takes the frame; the answer is counted. `frame.image` is of the calibrated size.
     std::function<FrameStatus(const Frame& frame, const FrameInfo& info)> frame;
     /// Detector::timeOffset(); may be left out.
@@ -70,7 +70,7 @@ class FrameSource {
   bool cameraKnown();
   [[nodiscard]] bool patient() const;
   void process(const Gate::Released& frame);
-  void restart(const char* why);
+  void restart(Restart cause, const char* why);
   [[nodiscard]] bool starting() const;
   void remindOfImages();
   void reportGate();

@@ -31,6 +31,8 @@ class LazyOutputs {
         image_transport::ImageTransport(node).advertise(topic, 1, changed, changed));
     return pictures_.back();
   }
+  /// Whoever listens: `change` is not called any more, the caller has woken the stage himself.
+  void stayAwake() { awake_ = always_ = true; }
   [[nodiscard]] bool awake() const { return awake_; }
 
  private:
@@ -39,7 +41,7 @@ class LazyOutputs {
   std::function<void(bool)> change_;
   std::vector<ros::Publisher> publishers_;
   std::vector<image_transport::Publisher> pictures_;
-  bool awake_ = false;
+  bool awake_ = false, always_ = false;
 };
 
 /// A copy of a picture that a stage keeps for itself, only where somebody looks.

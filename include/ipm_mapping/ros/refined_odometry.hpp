@@ -24,14 +24,12 @@ class RefinedOdometry {
   /// Goes on from the present pose.
   void setParameters(const Parameters& parameters);
   void reset() { odometry_.reset(); }
-  /// After the detector has processed the frame. Returns the pose that its answer is placed with,
-  /// the wheels' or the refined one as `floor_odometry/poses` says.
-  SE2 follow(const Detector& detector, const Frame& frame, FrameStatus status,
-             const ros::Time& stamp, const FrameNames& frames);
+  /// After the detector has processed the frame. Returns the refined pose.
+  const SE2& follow(const Detector& detector, const Frame& frame, FrameStatus status,
+                    const ros::Time& stamp, const FrameNames& frames);
 
  private:
   sweep::FloorOdometry odometry_;
-  Poses poses_;
   ros::Publisher publisher_;
 };
 

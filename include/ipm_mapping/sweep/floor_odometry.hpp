@@ -7,6 +7,7 @@
 #include "ipm_mapping/parameters/floor_odometry_parameters.hpp"
 #include "ipm_mapping/parameters/sweep_parameters.hpp"
 #include "ipm_mapping/sweep/motion_refinement.hpp"
+#include "ipm_mapping/sweep/odometry_of_frame.hpp"
 
 namespace ipm_mapping::sweep {
 

@@ -22,8 +22,10 @@ class SelfCalibration {
   SelfCalibration(const CalibrationParameters& parameters, const MotionRefinementParameters& noise)
       : parameters_(parameters), noise_(noise) {}
 
-  /// A new stated pose: forgets everything.
+  /// A new stated pose: forgets everything but the camera's own, its readout time and its clock.
   void setCamera(const CameraPose& T_base_camera);
+  /// Another camera: forgets that, too.
+  void forgetCamera() { learnt_ = {}; }
   /// What another one has learnt about the same stated pose with the same priors is known from now
   /// on. True if its correction may stay in force.
   bool adopt(const SelfCalibration& other);
@@ -60,8 +62,9 @@ class SelfCalibration {
   }
   /// That is surely and usefully another than the one in force.
   [[nodiscard]] bool readoutDiffers(double in_force) const;
-  /// How long after its stamp an image was taken, as far as is known, seconds.
-  [[nodiscard]] double timeOffset() const { return learnt_.state[CalibrationIndex::TimeOffset]; }
+  /// How long after its stamp an image was taken, as far as is known and allowed, seconds.
+  [[nodiscard]] double timeOffset() const;
+  [[nodiscard]] double mostTimeOffset() const { return parameters_.max_time_offset; }
   /// The same of it.
   [[nodiscard]] bool timeOffsetDiffers(double in_force) const;
   /// The correction that frames are rectified with.
@@ -88,7 +91,9 @@ class SelfCalibration {
   [[nodiscard]] double baseline() const;
   [[nodiscard]] bool bounded() const;
   [[nodiscard]] bool due(const RectifiedFrame& current) const;
+  [[nodiscard]] bool telling(const Velocity& velocity) const;
   [[nodiscard]] CalibrationInformation known() const;
+  [[nodiscard]] CalibrationInformation knownOfTheCamera() const;
   void judgeHeight(const CalibrationInformation& known);
   void compare(const FramePair& pair);
   void learn();
@@ -105,6 +110,7 @@ class SelfCalibration {
   PairEvidence evidence_;
   const RectifiedFrame* reference_ = nullptr;
   SE2 last_pair_;
+  Velocity last_velocity_;
   bool seen_any_ = false;
 };
 
