@@ -215,9 +215,10 @@ double SelfCalibration::timeOffset() const {
 
 bool SelfCalibration::timeOffsetDiffers(double in_force) const {
   const CalibrationParameters& p = parameters_;
-  const double sigmas = confident() ? p.time_offset_sigmas : p.early_sigmas;
   const double change = std::abs(timeOffset() - in_force);
-  return believable() && change > std::max(p.apply_time_offset, sigmas * sigma(I::TimeOffset));
+  const double surely = p.time_offset_sigmas * sigma(I::TimeOffset);
+  return learnt_.pairs >= p.time_offset_pairs && bounded() &&
+         change > std::max(p.apply_time_offset, surely);
 }
 
 Sway SelfCalibration::remainingTilt() const {

@@ -58,6 +58,7 @@ struct CalibrationParameters {
   double readout_sigmas = 3.0;
   double apply_time_offset = 0.005;
   double time_offset_sigmas = 2.0;
+  int time_offset_pairs = 2;
   double warn_tilt = 0.0052;
   double warn_height = 0.01;
   double warn_time_offset = 0.02;
@@ -179,6 +180,8 @@ struct CalibrationParameters {
           "by");
     field("time_offset_sigmas", self.time_offset_sigmas, Unit{"sigma"}, Range{0.0, 100.0},
           "and by so much");
+    field("time_offset_pairs", self.time_offset_pairs, Unit{"pairs"}, Range{1, 1000},
+          "and after so many: one alone may be aligned wrongly");
     field("warn_tilt", self.warn_tilt, Unit{"rad"}, Range{0.0, 0.5},
           "diagnostics warn when the stated pitch or roll is off by more, and by warn_sigmas");
     field("warn_height", self.warn_height, Unit{"m"}, Range{0.0, 1.0}, "the same of the height");
