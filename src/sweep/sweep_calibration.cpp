@@ -43,7 +43,7 @@ void SweepDetector::workWith(double readout) {
   if (longestReadout() <= shutter_.longest()) return;
   configureView();
   shutter_.blankOutside(current_.image);
-  ring_.forEachImage([this](Image<std::uint8_t>& image) { shutter_.blankOutside(image); });
+  ring_.forEach([this](RectifiedFrame& frame) { shutter_.blankOutside(frame.image); });
   calibration_.configure(rectification_, shutter_.rows(), calibration_.inForce());
 }
 
@@ -72,6 +72,14 @@ void SweepDetector::applyTimeOffset() {
   const bool forgotten = calibration_.pairs() == 0 && calibration_.timeOffset() == 0.0;
   if (forgotten || calibration_.timeOffsetDiffers(time_offset_))
     time_offset_ = calibration_.timeOffset();
+}
+
+/// Floor poses that were chained up with other stamps lead elsewhere, and the search for the next
+/// motion begins with them: odometry with the right ones is better.
+void SweepDetector::chainAnew() {
+  ring_.forEach([this](RectifiedFrame& frame) {
+    frame.T_floor_base = current_.T_floor_base * odometryBetween(frame, current_).inverse();
+  });
 }
 
 /// Odometry's motion, without what is known to be wrong with it.

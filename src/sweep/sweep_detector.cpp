@@ -141,6 +141,7 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
   current_.stamp = frame.stamp;
   current_.time_offset = frame.time_offset;
   current_.T_floor_base = T_floor_last_ * odometryBetween(last_, current_);
+  if (current_.time_offset != last_.time_offset) chainAnew();
   lap("rectification");
   const FrameStatus status = findReferences(frame);
   if (status == FrameStatus::Used) {
@@ -266,12 +267,8 @@ void SweepDetector::compareWithReferences(const CurrentView& view) {
   const Eigen::Vector2d foot = T_base_camera_.translation().head<2>();
   for (std::size_t q = 0; q < static_cast<std::size_t>(reference_count_); ++q) {
     const RectifiedFrame& reference = *references_[q];
-    const SE2 odometry = expectedMotion(reference);
-    // what was chained up with other stamps leads elsewhere
-    const bool chained = reference.time_offset == current_.time_offset;
-    motions_[q] = refinement_.refine(
-        current_, reference, odometry,
-        chained ? reference.T_floor_base.inverse() * current_.T_floor_base : odometry);
+    motions_[q] = refinement_.refine(current_, reference, expectedMotion(reference),
+                                     reference.T_floor_base.inverse() * current_.T_floor_base);
     motions_[q].reference_stamp = reference.stamp;
   }
   current_.T_floor_base = references_[0]->T_floor_base * motions_[0].motion;

@@ -21,10 +21,10 @@ class ReferenceRing {
   /// turned further.
   [[nodiscard]] const RectifiedFrame* find(const SE2& T_odom_base, double stamp,
                                            double baseline) const;
-  /// Does something to the images of all frames.
+  /// Does something to all frames, and to the memory that waits for others.
   template <class Change>
-  void forEachImage(const Change& change) {
-    for (RectifiedFrame& frame : frames_) change(frame.image);
+  void forEach(const Change& change) {
+    for (RectifiedFrame& frame : frames_) change(frame);
   }
   /// Any frame at least `baseline` away and young enough, however turned: tells why find() failed.
   [[nodiscard]] bool farEnough(const SE2& T_odom_base, double stamp, double baseline) const;

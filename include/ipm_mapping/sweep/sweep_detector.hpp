@@ -84,6 +84,7 @@ class SweepDetector : public Detector {
   void learnCalibration();
   void applyReadout();
   void applyTimeOffset();
+  void chainAnew();
   void workWith(double readout);
   [[nodiscard]] double longestReadout() const;
   void applyCalibration();
