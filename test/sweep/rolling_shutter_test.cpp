@@ -179,14 +179,6 @@ const Weave& weave(double readout) {
   return readout == 0.0 ? global : readout > 0.0 ? rolling : upside_down;
 }
 
-CalibrationParameters patient() {
-  CalibrationParameters p;
-  p.row_step = 5;
-  p.line_step = 7;
-  p.spacing = p.settled_spacing = 0.15;
-  return p;
-}
-
 CalibrationReport checked(const Weave& drive, const CalibrationParameters& parameters) {
   CameraCheck check(test::smallParameters(), parameters);
   check.setCamera(test::smallCamera(), test::smallCameraPose());
@@ -198,7 +190,7 @@ CalibrationReport checked(const Weave& drive, const CalibrationParameters& param
 class Readout : public ::testing::TestWithParam<double> {};
 
 TEST_P(Readout, IsFoundOut) {
-  const CalibrationReport r = checked(weave(GetParam()), patient());
+  const CalibrationReport r = checked(weave(GetParam()), test::patientCalibration());
   EXPECT_NEAR(r.readout.estimate, GetParam(), 0.004);
   EXPECT_LT(r.readout.sigma, 0.003);
   EXPECT_NEAR(r.pitch.off(), 0.0, 0.003);
@@ -207,7 +199,7 @@ TEST_P(Readout, IsFoundOut) {
 INSTANTIATE_TEST_SUITE_P(Shutters, Readout, ::testing::Values(0.0, 0.03, -0.02));
 
 TEST(ReadoutTime, ThatIsKnownIsNotLearnt) {
-  CalibrationParameters known = patient();
+  CalibrationParameters known = test::patientCalibration();
   known.readout_time = 0.01;
   known.learn_readout = false;
   const CalibrationReport r = checked(weave(0.03), known);
@@ -248,7 +240,7 @@ class EmptyFloor : public ::testing::Test {
 };
 
 TEST_F(EmptyFloor, LooksTheSameWhileWeaving) {
-  CalibrationParameters off = patient();
+  CalibrationParameters off = test::patientCalibration();
   off.mode = CalibrationMode::Off;
   const double global = drive(weave(0.0), off), rolling = drive(weave(0.03), off);
   ASSERT_GT(rolling, 2.0 * global) << "the drive shows what a rolling shutter does";
@@ -260,15 +252,15 @@ TEST_F(EmptyFloor, LooksTheSameWhileWeaving) {
 }
 
 TEST_F(EmptyFloor, WhatWasLearntServesFromThenOn) {
-  const double global = drive(weave(0.0), patient());
-  drive(weave(0.03), patient());
+  const double global = drive(weave(0.0), test::patientCalibration());
+  drive(weave(0.03), test::patientCalibration());
   EXPECT_NEAR(detector->readout(), 0.03, 0.004);
   detector->reset();
   EXPECT_LT(again(weave(0.03)), 1.15 * global);
   // a detector with other parameters goes on with it, and one whose camera is mounted elsewhere
   SweepParameters changed = test::smallParameters();
   changed.grid.max_range = 1.5;
-  SweepDetector next(changed, patient());
+  SweepDetector next(changed, test::patientCalibration());
   ASSERT_TRUE(next.adopt(*detector));
   EXPECT_NEAR(next.readout(), detector->readout(), 0.002);
   const double learnt = detector->readout();
@@ -280,7 +272,7 @@ TEST_F(EmptyFloor, WhatWasLearntServesFromThenOn) {
 
 /// Frames that were sheared beyond what the view has room for would be taken for a longer readout.
 TEST_F(EmptyFloor, TurnsThatAreTooFastDoNotMislead) {
-  drive(weave(0.03), patient());
+  drive(weave(0.03), test::patientCalibration());
   const double before = detector->calibration()->readout.estimate;
   const int pairs = detector->calibration()->pairs;
   const test::GrainedScene scene(test::smallCamera(), test::smallCameraPose());
@@ -297,12 +289,12 @@ TEST_F(EmptyFloor, TurnsThatAreTooFastDoNotMislead) {
 }
 
 TEST_F(EmptyFloor, AGlobalShutterStaysOne) {
-  drive(weave(0.0), patient());
+  drive(weave(0.0), test::patientCalibration());
   EXPECT_EQ(detector->readout(), 0.0);
 }
 
 TEST_F(EmptyFloor, NothingIsLearntWhereThatIsNotWanted) {
-  CalibrationParameters p = patient();
+  CalibrationParameters p = test::patientCalibration();
   p.learn_readout = false;
   drive(weave(0.03), p);
   EXPECT_EQ(detector->readout(), 0.0);

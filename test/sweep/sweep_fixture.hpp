@@ -148,6 +148,15 @@ inline sweep::SweepParameters smallParameters() {
   return p;
 }
 
+/// Many pairs of many samples: for short drives of a small camera.
+inline CalibrationParameters patientCalibration() {
+  CalibrationParameters p;
+  p.row_step = 5;
+  p.line_step = 7;
+  p.spacing = p.settled_spacing = 0.15;
+  return p;
+}
+
 /// What a detector says at the end of a straight drive in five steps, the camera's pitch stated too
 /// flat or not.
 inline Obstacles answerAfter(const GrainedScene& scene, const sweep::SweepParameters& parameters,

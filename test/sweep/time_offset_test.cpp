@@ -82,19 +82,11 @@ class LateImages {
   double late_;
 };
 
-CalibrationParameters patient() {
-  CalibrationParameters p;
-  p.row_step = 5;
-  p.line_step = 7;
-  p.spacing = p.settled_spacing = 0.15;
-  return p;
-}
-
 class TimeOffset : public ::testing::TestWithParam<double> {};
 
 TEST_P(TimeOffset, IsFoundOutAndFramesComeRight) {
   const double late = GetParam();
-  CameraCheck check(test::smallParameters(), patient());
+  CameraCheck check(test::smallParameters(), test::patientCalibration());
   check.setCamera(test::smallCamera(), test::smallCameraPose());
   double last = 0.0;
   LateImages(late).drive(check, [&](const Frame& frame, FrameStatus) { last = frame.time_offset; });
@@ -141,11 +133,11 @@ class LateDetector : public ::testing::Test {
 };
 
 TEST_F(LateDetector, GoesOnWithWhatItHasLearnt) {
-  const auto right = drive(0.0, patient());
+  const auto right = drive(0.0, test::patientCalibration());
   EXPECT_EQ(right->timeOffset(), 0.0) << "nothing is moved without need";
-  CalibrationParameters off = patient();
+  CalibrationParameters off = test::patientCalibration();
   off.learn_time_offset = false;
-  const auto unaware = drive(0.08, off), aware = drive(0.08, patient());
+  const auto unaware = drive(0.08, off), aware = drive(0.08, test::patientCalibration());
   EXPECT_NEAR(aware->timeOffset(), -0.08, 0.006);
   for (SweepDetector* detector : {right.get(), unaware.get(), aware.get()}) detector->reset();
   EXPECT_NEAR(aware->timeOffset(), -0.08, 0.006) << "clocks and poses may jump";
@@ -157,7 +149,7 @@ TEST_F(LateDetector, GoesOnWithWhatItHasLearnt) {
 /// What was chained up with stamps that were off leads elsewhere: the search for the floor's motion
 /// must not begin there.
 TEST_F(LateDetector, FollowsTheFloorFromTheMomentStampsAreMoved) {
-  SweepDetector detector(test::smallParameters(), patient());
+  SweepDetector detector(test::smallParameters(), test::patientCalibration());
   detector.setCamera(test::smallCamera(), test::smallCameraPose());
   std::vector<Frame> seen;
   int compared = 0;
@@ -178,13 +170,13 @@ TEST_F(LateDetector, FollowsTheFloorFromTheMomentStampsAreMoved) {
 }
 
 TEST_F(LateDetector, PassesItOnToADetectorOfTheSameCamera) {
-  const auto learnt = drive(0.08, patient());
+  const auto learnt = drive(0.08, test::patientCalibration());
   SweepParameters changed = test::smallParameters();
   changed.grid.max_range = 1.5;
-  SweepDetector next(changed, patient());
+  SweepDetector next(changed, test::patientCalibration());
   ASSERT_TRUE(next.adopt(*learnt));
   EXPECT_EQ(next.timeOffset(), learnt->timeOffset());
-  CalibrationParameters off = patient();
+  CalibrationParameters off = test::patientCalibration();
   off.learn_time_offset = false;
   SweepDetector other(test::smallParameters(), off);
   ASSERT_TRUE(other.adopt(*learnt));
@@ -193,7 +185,7 @@ TEST_F(LateDetector, PassesItOnToADetectorOfTheSameCamera) {
 
 /// A clock belongs to the camera, wherever that is mounted.
 TEST_F(LateDetector, ForgetsItWithTheCameraOnly) {
-  const auto detector = drive(0.08, patient());
+  const auto detector = drive(0.08, test::patientCalibration());
   const double before = detector->timeOffset();
   const CalibrationReport::Value learnt = detector->calibration()->time_offset;
   for (const double pitch : {0.5, 0.45}) {
@@ -211,7 +203,7 @@ TEST_F(LateDetector, ForgetsItWithTheCameraOnly) {
 }
 
 TEST_F(LateDetector, LearnsNothingWhereThatIsNotWanted) {
-  CalibrationParameters p = patient();
+  CalibrationParameters p = test::patientCalibration();
   p.learn_time_offset = false;
   EXPECT_EQ(drive(0.08, p)->timeOffset(), 0.0);
   EXPECT_NEAR(drive(0.08, p)->calibration()->time_offset.estimate, 0.0, 1e-4);
@@ -221,7 +213,7 @@ TEST_F(LateDetector, LearnsNothingWhereThatIsNotWanted) {
 }
 
 TEST_F(LateDetector, MovesNothingFartherThanIsAllowed) {
-  CalibrationParameters p = patient();
+  CalibrationParameters p = test::patientCalibration();
   p.max_time_offset = 0.05;
   const auto detector = drive(0.08, p);
   EXPECT_EQ(detector->timeOffset(), -0.05);
