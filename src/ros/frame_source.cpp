@@ -152,7 +152,10 @@ void FrameSource::pump() {
   // counted as lost.
   const bool release = cameraKnown() || !patient();
   Gate::Released frame;
-  while (release && gate_.next(frame, now())) process(frame);
+  while (release && gate_.next(frame, now())) {
+    reportGate();  // what was dropped before this frame, some of it before the first pose
+    process(frame);
+  }
   reportGate();
   if (const auto newest = gate_.odometry().newest(); newest && newest_image_ > 0.0)
     monitor_.set("odometry_behind_images_s", newest_image_ - *newest);
