@@ -38,13 +38,14 @@ class Detect : public StageNodelet {
     monitor().setAsleep(true);
     obstacle_outputs_.emplace(node(), outputs_, parameters.output);
     refined_odometry_.emplace(node(), outputs_, parameters);
-    localiser_.emplace(loadStruct<FloorLocaliserParameters>(privateNode()));
+    const auto localiser = loadStruct<FloorLocaliserParameters>(privateNode());
+    if (!localiser.map_frame.empty()) localiser_.emplace(localiser);
     overlay_ = outputs_.advertiseImage(node(), "overlay");
     difference_ = outputs_.advertiseImage(node(), "difference_image");
     score_ = outputs_.advertiseImage(node(), "score_image");
     live_.emplace(privateNode(), parameters, liveGroups(),
                   [this](const Parameters& changed) { change(changed); });
-    if (localiser_->active()) {  // tf has listeners that this nodelet does not see
+    if (localiser_) {  // tf has listeners that this nodelet does not see
       outputs_.stayAwake();
       setAwake(true);
     }
@@ -88,16 +89,16 @@ class Detect : public StageNodelet {
     detector_->reset();
     memory_.clear();
     refined_odometry_->reset();
-    localiser_->restart(cause);
+    if (localiser_) localiser_->restart(cause);
   }
 
   FrameStatus process(const Frame& frame, const FrameInfo& info) {
     const FrameStatus status = detector_->process(frame, obstacles_);
     const SE2& refined =
         refined_odometry_->follow(*detector_, frame, status, info.header.stamp, info.frames);
-    const SE2 T_map_odom =
-        localiser_->publish(frame.T_odom_base, refined, info.header.stamp, info.frames);
-    if (localiser_->active()) showCorrection(T_map_odom);
+    if (localiser_)
+      showCorrection(
+          localiser_->publish(frame.T_odom_base, refined, info.header.stamp, info.frames));
     Frame placed = frame;
     if (placesByFloor()) placed.T_odom_base = refined;
     obstacles_.view.T_odom_base = placed.T_odom_base;
@@ -116,7 +117,7 @@ class Detect : public StageNodelet {
 
   /// tf says already where the floor puts the wheels' frame: not twice.
   [[nodiscard]] bool placesByFloor() const {
-    return parameters_.floor_odometry.poses == Poses::Refined && !localiser_->active();
+    return parameters_.floor_odometry.poses == Poses::Refined && !localiser_;
   }
 
   void showCorrection(const SE2& T_map_odom) {

@@ -2,9 +2,9 @@
 
 #include <array>
 #include <boost/make_shared.hpp>
-#include <cmath>
 
 #include "ipm_mapping/detectors/floor_observation.hpp"
+#include "ipm_mapping/ros/poses.hpp"
 
 namespace ipm_mapping {
 namespace {
@@ -29,10 +29,7 @@ void toMessage(const sweep::FloorPose& pose, const FrameNames& frames,
                nav_msgs::Odometry& message) {
   message.header.frame_id = frames.odom;
   message.child_frame_id = frames.base;
-  message.pose.pose.position.x = pose.T_odom_base.x;
-  message.pose.pose.position.y = pose.T_odom_base.y;
-  message.pose.pose.orientation.z = std::sin(0.5 * pose.T_odom_base.theta);
-  message.pose.pose.orientation.w = std::cos(0.5 * pose.T_odom_base.theta);
+  message.pose.pose = toPose(pose.T_odom_base);
   toMessage(pose.covariance, message.pose.covariance);
   message.twist.twist.linear.x = pose.velocity.x();
   message.twist.twist.linear.y = pose.velocity.y();

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "ipm_mapping/ros/poses.hpp"
+
 namespace ipm_mapping {
 namespace {
 
@@ -27,10 +29,7 @@ void TrajectoryOutput::add(const std::string& frame, const ros::Time& stamp, con
     path_.poses.erase(path_.poses.begin(), path_.poses.begin() + longest / 4);
   geometry_msgs::PoseStamped& stamped = path_.poses.emplace_back();
   stamped.header = path_.header;
-  stamped.pose.position.x = pose.x;
-  stamped.pose.position.y = pose.y;
-  stamped.pose.orientation.z = std::sin(0.5 * pose.theta);
-  stamped.pose.orientation.w = std::cos(0.5 * pose.theta);
+  stamped.pose = toPose(pose);
   changed_ = true;
 }
 

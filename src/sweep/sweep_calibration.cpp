@@ -86,7 +86,7 @@ void SweepDetector::chainAnew() {
 SE2 SweepDetector::expectedMotion(const RectifiedFrame& reference) const {
   const SE2 odometry = odometryBetween(reference, current_);
   if (calibration_mode_ != CalibrationMode::Apply || !calibration_.confident()) return odometry;
-  return corrected(odometry, current_.stamp - reference.stamp, calibration_.state());
+  return corrected(odometry, FramePair{current_, reference}.seconds(), calibration_.state());
 }
 
 std::optional<CalibrationReport> SweepDetector::calibration() const {

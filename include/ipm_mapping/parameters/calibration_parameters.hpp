@@ -131,8 +131,9 @@ struct CalibrationParameters {
     field("settled_spacing", self.settled_spacing, Unit{"camera heights"}, Range{0.01, 100.0},
           "the same once the estimate is confident and the height no longer in doubt");
     field("readout_turn", self.readout_turn, Unit{"rad/s"}, Range{0.0, 10.0},
-          "pairs follow one another after short_baseline while the robot turns faster, and the "
-          "readout time or what the stamps are off is not known well");
+          "pairs follow one another after short_baseline while the robot turns faster and the "
+          "readout time is not known well, or where the turn has changed by more and what the "
+          "stamps are off is not");
     field("readout_known", self.readout_known, Unit{"s"}, Range{0.0, 0.1},
           "how well is enough, one sigma");
     field("time_offset_known", self.time_offset_known, Unit{"s"}, Range{0.0, 1.0},

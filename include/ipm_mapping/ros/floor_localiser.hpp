@@ -2,7 +2,6 @@
 
 #include <tf2_ros/transform_broadcaster.h>
 
-#include <optional>
 #include <string>
 
 #include "ipm_mapping/parameters/node_parameters.hpp"
@@ -11,12 +10,11 @@
 
 namespace ipm_mapping {
 
-/// tf from `map_frame` to the odometry's frame, as a localiser publishes it; silent without one.
+/// tf from `map_frame` to the odometry's frame, as a localiser publishes it.
 class FloorLocaliser {
  public:
   explicit FloorLocaliser(const FloorLocaliserParameters& parameters);
 
-  [[nodiscard]] bool active() const { return !map_frame_.empty(); }
   void restart(Restart cause) { anchor_.restart(cause); }
   /// The two poses of a frame. Returns T_map_odom.
   SE2 publish(const SE2& T_odom_wheels, const SE2& T_odom_refined, const ros::Time& stamp,
@@ -26,7 +24,7 @@ class FloorLocaliser {
   std::string map_frame_;
   ros::Duration tolerance_;
   sweep::MapAnchor anchor_;
-  std::optional<tf2_ros::TransformBroadcaster> broadcaster_;
+  tf2_ros::TransformBroadcaster broadcaster_;
 };
 
 }  // namespace ipm_mapping

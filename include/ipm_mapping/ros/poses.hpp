@@ -26,4 +26,27 @@ namespace ipm_mapping {
   return {transform.translation.x, transform.translation.y, yawOf(transform.rotation)};
 }
 
+/// A heading as quaternion.
+[[nodiscard]] inline geometry_msgs::Quaternion toQuaternion(double yaw) {
+  geometry_msgs::Quaternion q;
+  q.z = std::sin(0.5 * yaw);
+  q.w = std::cos(0.5 * yaw);
+  return q;
+}
+/// A pose on the floor.
+[[nodiscard]] inline geometry_msgs::Pose toPose(const SE2& pose) {
+  geometry_msgs::Pose message;
+  message.position.x = pose.x;
+  message.position.y = pose.y;
+  message.orientation = toQuaternion(pose.theta);
+  return message;
+}
+[[nodiscard]] inline geometry_msgs::Transform toTransform(const SE2& pose) {
+  geometry_msgs::Transform message;
+  message.translation.x = pose.x;
+  message.translation.y = pose.y;
+  message.rotation = toQuaternion(pose.theta);
+  return message;
+}
+
 }  // namespace ipm_mapping

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <optional>
-
 #include "ipm_mapping/detector.hpp"
 #include "ipm_mapping/geometry/se2.hpp"
 
