@@ -63,16 +63,29 @@ void blockSums(const std::uint8_t* HWY_RESTRICT in, int blocks, std::int32_t* HW
   }
 }
 
-void beamSums(const std::int16_t* HWY_RESTRICT first_line, std::int64_t stride, int count,
-              std::int32_t* HWY_RESTRICT sums) {
+void addLine(const std::int16_t* HWY_RESTRICT line, std::int32_t sign, int count,
+             std::int32_t* HWY_RESTRICT column) {
+  for (int i = 0; i < count; ++i) column[i] += sign * line[i];
+}
+
+void prefixes(const std::int32_t* HWY_RESTRICT column, int count, std::int32_t* HWY_RESTRICT sums) {
   sums[0] = 0;
-  for (int i = 0; i < count; ++i) {
-    std::int32_t sum = 0;
-    for (int k = 0; k < beam_lines; ++k) sum += first_line[k * stride + i];
-    sums[i + 1] = sum;
-  }
+  int i = 0;
   std::int32_t total = 0;
-  for (int i = 1; i <= count; ++i) sums[i] = total += sums[i];
+#if HWY_TARGET != HWY_SCALAR
+  // four at a time: only the carry waits for what came before
+  const hn::FixedTag<std::int32_t, 4> d;
+  auto carry = hn::Zero(d);
+  for (; i + 4 <= count; i += 4) {
+    const auto here = hn::LoadU(d, column + i);
+    const auto pairs = hn::Add(here, hn::ShiftLeftLanes<1>(d, here));
+    const auto upTo = hn::Add(pairs, hn::ShiftLeftLanes<2>(d, pairs));
+    hn::StoreU(hn::Add(upTo, carry), d, sums + i + 1);
+    carry = hn::Add(carry, hn::Broadcast<3>(upTo));
+  }
+  total = hn::GetLane(carry);
+#endif
+  for (; i < count; ++i) sums[i + 1] = total += column[i];
 }
 
 /// Grey levels of a run of rows as floating point, in whole levels.
@@ -286,7 +299,8 @@ HWY_AFTER_NAMESPACE();
 namespace ipm_mapping::kernels {
 HWY_EXPORT(split);
 HWY_EXPORT(blockSums);
-HWY_EXPORT(beamSums);
+HWY_EXPORT(addLine);
+HWY_EXPORT(prefixes);
 HWY_EXPORT(noise);
 HWY_EXPORT(evidenceRows);
 HWY_EXPORT(lower);
@@ -302,8 +316,12 @@ void addBlockSums(const std::uint8_t* in, int blocks, std::int32_t* sums) {
   HWY_DYNAMIC_DISPATCH(blockSums)(in, blocks, sums);
 }
 
-void sumBeam(const std::int16_t* first_line, std::int64_t stride, int count, std::int32_t* sums) {
-  HWY_DYNAMIC_DISPATCH(beamSums)(first_line, stride, count, sums);
+void addLineTo(const std::int16_t* line, int sign, int count, std::int32_t* column) {
+  HWY_DYNAMIC_DISPATCH(addLine)(line, sign, count, column);
+}
+
+void prefixSums(const std::int32_t* column, int count, std::int32_t* sums) {
+  HWY_DYNAMIC_DISPATCH(prefixes)(column, count, sums);
 }
 
 void noiseWeights(const NoiseNeighbours& grey, const float* along, const float* bend_along,

@@ -336,20 +336,32 @@ TEST(SweepCostKernels, ABrighterSurfaceIsComparedAsIfItWereNot) {
   });
 }
 
-TEST(SweepCostKernels, SumsOfABeamAreThoseOfItsLinesUpToEachRow) {
-  constexpr int stride = 70;
-  const auto lines = randomValues<std::int16_t>(stride * 9, -8191, 8191, 41);
+TEST(SweepCostKernels, LinesAreAddedToAColumnAndTakenOutOfIt) {
+  const auto line = randomValues<std::int16_t>(64, -8191, 8191, 41);
   for (const int count : {0, 1, 31, 64}) {
     withEverySweepTarget([&] {
+      std::vector<std::int32_t> column(static_cast<std::size_t>(count) + 1, 100000);
+      kernels::addLineTo(line.data(), 1, count, column.data());
+      for (int i = 0; i < count; ++i)
+        ASSERT_EQ(column[static_cast<std::size_t>(i)], 100000 + line[static_cast<std::size_t>(i)]);
+      kernels::addLineTo(line.data(), -1, count, column.data());
+      for (const std::int32_t value : column) EXPECT_EQ(value, 100000);
+    });
+  }
+}
+
+TEST(SweepCostKernels, PrefixSumsAreOfWhatLiesBeforeEachRow) {
+  const auto column = randomValues<std::int32_t>(64, -65528, 65528, 42);
+  for (const int count : {0, 1, 3, 4, 31, 64}) {
+    withEverySweepTarget([&] {
       std::vector<std::int32_t> sums(static_cast<std::size_t>(count) + 2, -1);
-      kernels::sumBeam(lines.data(), stride, count, sums.data());
+      kernels::prefixSums(column.data(), count, sums.data());
       std::int32_t expected = 0;
       for (int i = 0; i <= count; ++i) {
         ASSERT_EQ(sums[static_cast<std::size_t>(i)], expected) << i;
-        for (int k = 0; k < kernels::beam_lines; ++k)
-          expected += lines[static_cast<std::size_t>(k * stride + i)];
+        expected += column[static_cast<std::size_t>(i) % 64];
       }
-      EXPECT_EQ(sums.back(), -1);
+      EXPECT_EQ(sums.back(), -1) << "written past the end";
     });
   }
 }

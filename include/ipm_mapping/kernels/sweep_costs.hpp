@@ -25,8 +25,11 @@ void splitRows(const std::uint8_t* line, std::int32_t gain, std::int32_t offset,
 /// sums[b] += in[8 b] + ... + in[8 b + 7] for 8 * blocks bytes.
 void addBlockSums(const std::uint8_t* in, int blocks, std::int32_t* sums);
 
-/// sums[i] = the first i values of beam_lines lines together; count + 1 of them.
-void sumBeam(const std::int16_t* first_line, std::int64_t stride, int count, std::int32_t* sums);
+/// column[i] += sign * line[i].
+void addLineTo(const std::int16_t* line, int sign, int count, std::int32_t* column);
+
+/// sums[i] = the first i values of column together; count + 1 of them.
+void prefixSums(const std::int32_t* column, int count, std::int32_t* sums);
 
 /// What noiseWeights() needs beside the pixels.
 struct NoiseTerms {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "ipm_mapping/image_view.hpp"
 
@@ -18,7 +19,8 @@ class BeamSums {
   [[nodiscard]] ImageView<const std::int32_t> view() const { return sums_.view(); }
 
  private:
-  Image<std::int32_t> sums_;  // rows + 1 x first lines
+  Image<std::int32_t> sums_;          // rows + 1 x first lines
+  std::vector<std::int32_t> column_;  // the lines of the present beam together
   int step_ = 1;
 };
 
