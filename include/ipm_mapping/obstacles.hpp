@@ -36,6 +36,7 @@ struct Contact {
   float height = 0.0F;       ///< height of the support above the contact, metres; 0: not measured
   float range_sigma = 0.0F;  ///< standard deviation along the bearing, metres; 0: not estimated
   float age = 0.0F;          ///< seconds since it was last seen (0: in this frame)
+  bool moving = false;       ///< has come onto floor that was free a moment ago
 };
 
 /// A detector's answer for one frame.

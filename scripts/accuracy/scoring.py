@@ -14,6 +14,7 @@ import numpy as np
 TOLERANCE = 0.10  # a contact this near to an outline is right
 NEAR, FAR = 0.40, 2.00  # ranges that count
 LOW = 0.015  # lower things are no obstacles
+MOVING = "moving"  # kind of what goes a way
 CELL = 0.05  # of the outline, for the map's coverage
 RAYS = 64  # bearings asked for in each frame
 MARGIN = 8  # pixels from the image's border within which nothing is asked for
@@ -32,7 +33,8 @@ class Truth:
         self.start = data.get("bag_start")
         obstacles = [f for f in data["footprints"] if f["height"] >= LOW]
         self.solids = [np.array(f["polygon"], float) for f in data["footprints"] if "polygon" in f]
-        starts, ends, self.kinds = [], [], []
+        starts, ends, self.kinds, self.ways = [], [], [], []
+        self.solid_ways = [f.get("way") for f in data["footprints"] if "polygon" in f]
         for footprint in obstacles:
             points = footprint.get("polygon") or footprint["polyline"]
             closed = "polygon" in footprint
@@ -40,9 +42,30 @@ class Truth:
             for a, b in zip(points, follow):
                 starts.append(a)
                 ends.append(b)
-                self.kinds.append(footprint.get("kind") or footprint["name"])
+                kind = footprint.get("kind") or footprint["name"]
+                self.kinds.append(MOVING if footprint.get("way") else kind)
+                self.ways.append(footprint.get("way"))
         self.a = np.array(starts, float).reshape(-1, 2)
         self.b = np.array(ends, float).reshape(-1, 2)
+        self.moving = np.array([way is not None for way in self.ways], bool)
+
+    def at(self, stamp):
+        """This scene with moving things where they are at a stamp."""
+        if not self.moving.any():
+            return self
+        now = copy.copy(self)
+        gone = np.array([self._gone(way, stamp) for way in self.ways]).reshape(-1, 2)
+        now.a, now.b = self.a + gone, self.b + gone
+        now.solids = [solid + self._gone(way, stamp)
+                      for solid, way in zip(self.solids, self.solid_ways)]
+        return now
+
+    def _gone(self, way, stamp):
+        if not way:
+            return np.zeros(2)
+        at, x, y = np.array(way, float).T
+        t = stamp - self.start
+        return np.array([np.interp(t, at, x), np.interp(t, at, y)])
 
     def pose(self, stamp):
         """x, y, heading at a stamp."""
@@ -231,7 +254,8 @@ def _score_bearings(truth, world, pose, tally):
         hit = len(world) > 0 and (np.hypot(*(world - targets[k]).T) <= TOLERANCE).any()
         tally.asked[kind] = tally.asked.get(kind, 0) + 1
         tally.found[kind] = tally.found.get(kind, 0) + int(hit)
-        tally.visible_cells.add(tuple(np.floor(targets[k] / CELL).astype(int)))
+        if not truth.moving[index[k]]:  # a map keeps nothing of what goes away
+            tally.visible_cells.add(tuple(np.floor(targets[k] / CELL).astype(int)))
 
 
 def _score_free(truth, bearings, pose, tally):
@@ -278,13 +302,13 @@ def score(truth, run):
     tally = _Tally()
     used = 0
     for stamp in run.stamps():
-        pose = truth.pose(stamp)
-        if truth.inside_solid(truth.to_world(pose, [truth.place[:2]])[0]):
+        pose, now = truth.pose(stamp), truth.at(stamp)
+        if now.inside_solid(now.to_world(pose, [now.place[:2]])[0]):
             continue
         used += 1
-        world = _score_contacts(truth, contacts.get(stamp, np.zeros((0, 2))), pose, tally)
-        _score_bearings(truth, world, pose, tally)
-        _score_free(truth, bearings[stamp], pose, tally)
+        world = _score_contacts(now, contacts.get(stamp, np.zeros((0, 2))), pose, tally)
+        _score_bearings(now, world, pose, tally)
+        _score_free(now, bearings[stamp], pose, tally)
     errors = np.minimum(np.array(tally.errors), 1.0)  # one stray point must not own the p90
     asked = sum(tally.asked.values())
     with_contact = {(row["frame"], row["bearing"]) for row in run.points}
@@ -301,6 +325,7 @@ def score(truth, run):
         "free_beyond_percent": percent(tally.free_beyond, tally.free),
         "free_way_percent": percent(tally.free_way, tally.true_way),
     }
-    figures.update(_map_figures(truth, run.occupied_cells(), tally))
+    at_the_end = truth.at(max(run.stamps(), default=truth.start))
+    figures.update(_map_figures(at_the_end, run.occupied_cells(), tally))
     figures["kinds"] = _kind_figures(tally)
     return figures

@@ -134,8 +134,8 @@ nav_msgs::OccupancyGrid trueMap(const std::vector<Footprint>& footprints, double
       const Point centre = low + resolution * Point(i + 0.5, j + 0.5);
       const bool occupied =
           std::any_of(footprints.begin(), footprints.end(), [&](const Footprint& footprint) {
-            return footprint.height >= kObstacleHeight &&
-                   distanceTo(footprint, centre) <= 0.5 * resolution;
+            return footprint.height >= kObstacleHeight && footprint.way.empty() &&
+                   distanceTo(footprint, centre, 0.0) <= 0.5 * resolution;
           });
       map.data.push_back(occupied ? 100 : 0);
     }

@@ -95,20 +95,16 @@ float lampShare(const Tracer& tracer, const LampSpec& lamp, const Texel& area, i
              kPacket;
 }
 
-LightMap::LightMap(const Stage& stage, const std::vector<LampSpec>& lamps, const Patch* patch,
-                   float texel)
+LightMap::LightMap(const Stage& stage, Casters casters, const std::vector<LampSpec>& lamps,
+                   const Patch* patch, float texel)
     : stage_(stage),
+      casters_(casters),
       lamps_(lamps),
       patch_(patch),
       texel_(texel),
       channels_((lamps.size() + 4) / 4 * 4) {
-  if (patch_ == nullptr) {
-    if (!stage.extent().isEmpty()) {
-      shaded_ = Eigen::AlignedBox2f(stage.extent().min().array() - kShadowReach,
-                                    stage.extent().max().array() + kShadowReach);
-    }
-    return;
-  }
+  forget();
+  if (patch_ == nullptr) return;
   Eigen::Vector2f longest = Eigen::Vector2f::Zero();
   const auto at = [&](int r, int c) {
     return patch_->points[static_cast<std::size_t>(r * patch_->cols + c)];
@@ -123,6 +119,16 @@ LightMap::LightMap(const Stage& stage, const std::vector<LampSpec>& lamps, const
   lowest_ = 0;
   highest_i_ = (patch_->cols - 1) * static_cast<int>(per_cell_.x()) - 1;
   highest_j_ = (patch_->rows - 1) * static_cast<int>(per_cell_.y()) - 1;
+}
+
+void LightMap::forget() {
+  tiles_.clear();
+  last_ = nullptr;
+  if (patch_ != nullptr) return;
+  shaded_ = stage_.extent(casters_);
+  if (shaded_.isEmpty()) return;
+  shaded_ = Eigen::AlignedBox2f(shaded_.min().array() - kShadowReach,
+                                shaded_.max().array() + kShadowReach);
 }
 
 Texel LightMap::texelAt(int i, int j) const {
@@ -153,8 +159,8 @@ Texel LightMap::texelAt(int i, int j) const {
 
 LightMap::Baked LightMap::bake(const Texel& texel) const {
   Baked out;
-  const Tracer& tracer = stage_.tracer();
-  out.covered = stage_.covered(texel.centre, texel.normal);
+  const Tracer& tracer = this->tracer();
+  out.covered = stage_.covered(texel.centre, texel.normal, casters_);
   if (out.covered) return out;
   out.shares[0] = ambientShare(tracer, texel);
   for (std::size_t k = 0; k < lamps_.size(); ++k) {

@@ -35,7 +35,7 @@ OdometryReading LiveMotion::advance(double time) {
   const int steps = std::max(1, static_cast<int>(std::ceil(span / kStep)));
   Command moved;
   for (int i = 0; i < steps; ++i) {
-    body_.step(wanted(), slipAt(scene_.odometry, time_), span / steps);
+    body_.step(wanted(), slipAt(scene_.odometry, time_), time_, span / steps);
     time_ += span / steps;
     moved.v += body_.wheels().v / steps;
     moved.w += body_.wheels().w / steps;

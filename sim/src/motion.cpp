@@ -49,8 +49,9 @@ Command scriptedCommand(const std::vector<DriveSegment>& drive, double time) {
   return {};
 }
 
-double distanceTo(const Footprint& footprint, const Point& point) {
+double distanceTo(const Footprint& footprint, const Point& at, double time) {
   const std::vector<Point>& p = footprint.points;
+  const Point point = at - goneAlong(footprint.way, time);
   if (footprint.closed && inside(p, point)) return 0.0;
   double nearest = 1e9;
   for (std::size_t i = footprint.closed ? 0 : 1; i < p.size(); ++i) {
@@ -69,20 +70,20 @@ SE2 alongArc(const SE2& from, double distance, double turn) {
 Body::Body(const RobotSpec& spec, std::vector<Footprint> footprints)
     : spec_(spec), footprints_(std::move(footprints)) {}
 
-bool Body::free(const SE2& pose) const {
+bool Body::free(const SE2& pose, double time) const {
   for (const Footprint& footprint : footprints_) {
     if (footprint.height < kDrivable) continue;
-    if (distanceTo(footprint, pose.translation()) < spec_.radius) return false;
+    if (distanceTo(footprint, pose.translation(), time) < spec_.radius) return false;
   }
   return true;
 }
 
-void Body::step(const Command& command, const SlipSpec& grip, double dt) {
+void Body::step(const Command& command, const SlipSpec& grip, double time, double dt) {
   wheels_.v = towards(wheels_.v, command.v, spec_.acceleration * dt);
   wheels_.w = towards(wheels_.w, command.w, spec_.turn_acceleration * dt);
   if (wheels_.v == 0.0 && wheels_.w == 0.0) return;
   const SE2 next = alongArc(pose_, grip.grip * wheels_.v * dt, grip.turn_grip * wheels_.w * dt);
-  touching_ = !free(next) && wheels_.v != 0.0;
+  touching_ = !free(next, time + dt) && wheels_.v != 0.0;
   if (touching_) {
     wheels_ = {};
   } else {
@@ -116,7 +117,7 @@ Drive::Drive(const Scene& scene, const std::vector<Footprint>& footprints)
       odometry_.push_back(odometer.read(time, moved, kStepsPerReading * step_));
       moved = {};
     }
-    body.step(scriptedCommand(scene.drive, time), slipAt(scene.odometry, time), step_);
+    body.step(scriptedCommand(scene.drive, time), slipAt(scene.odometry, time), time, step_);
     moved.v += body.wheels().v / kStepsPerReading;
     moved.w += body.wheels().w / kStepsPerReading;
     if (body.touching() && collision_ < 0.0) collision_ = std::max(time, 0.0);

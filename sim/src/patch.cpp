@@ -74,10 +74,13 @@ Patch revolvedPatch(const Placement& at, double r0, double z0, double r1, double
   return patch;
 }
 
-Patch discPatch(const Placement& at, double r, double z, int segments, const Material& material) {
-  Patch patch = revolvedPatch(at, r, z, 0.0, z, segments, material);
+Patch discPatch(const Placement& at, double r, double z, int segments, const Material& material,
+                Facing facing) {
+  const bool up = facing == Facing::Up;
+  Patch patch = revolvedPatch(at, up ? r : 0.0, z, up ? 0.0 : r, z, segments, material);
+  const Vector3f normal(0.0F, 0.0F, up ? 1.0F : -1.0F);
   for (std::size_t i = 0; i < patch.points.size(); ++i) {
-    patch.normals[i] = Vector3f::UnitZ();
+    patch.normals[i] = normal;
     patch.coords[i] = patch.points[i].head<2>();
   }
   return patch;

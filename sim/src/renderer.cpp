@@ -73,6 +73,10 @@ PixelRay Renderer::rayOf(int u, int v) const {
           view.turn.leftCols<2>() * pixel.dx, view.turn.leftCols<2>() * pixel.dy};
 }
 
+void Renderer::moveTo(double time) {
+  if (stage_.moveTo(time)) shader_.forgetMoved();
+}
+
 void Renderer::render(const RowPose& T_world_camera, std::vector<float>& radiance) {
   for (int v = 0; v < lens_.height(); ++v) {
     const CameraPose pose = T_world_camera(v);

@@ -2,6 +2,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <sstream>
@@ -233,6 +234,17 @@ std::string sceneJson(const Scene& scene) {
   out.precision(12);
   JsonWriter(out).write(scene);
   return out.str();
+}
+
+Point goneAlong(const std::vector<Waypoint>& way, double time) {
+  if (way.empty()) return Point::Zero();
+  const auto next = std::upper_bound(way.begin(), way.end(), time,
+                                     [](double t, const Waypoint& w) { return t < w.at; });
+  if (next == way.begin()) return {next->x, next->y};
+  const Waypoint& last = *(next - 1);
+  if (next == way.end()) return {last.x, last.y};
+  const double t = (time - last.at) / (next->at - last.at);
+  return {last.x + t * (next->x - last.x), last.y + t * (next->y - last.y)};
 }
 
 double driveDuration(const Scene& scene) {

@@ -9,6 +9,7 @@ namespace {
 using Eigen::Vector3f;
 
 constexpr float kFloorTexel = 0.01F, kFarFloorTexel = 0.04F, kSolidTexel = 0.02F;
+constexpr float kMovingTexel = 0.02F;  // made anew for every frame
 constexpr float kGrazingMirror = 0.6F;
 constexpr float kVisibleContrast = 0.004F;  // below the sensor's noise
 constexpr float kFaintest = 0.35F;          // share of light whose shadows' edges are worth a ray
@@ -90,16 +91,25 @@ Shader::Shader(const Scene& scene, const Stage& stage)
       stage_(stage),
       textures_(static_cast<std::uint64_t>(scene.seed)),
       floor_(scene, textures_),
-      floor_map_(stage, scene.lamps, nullptr, kFloorTexel),
-      far_floor_map_(stage, scene.lamps, nullptr, kFarFloorTexel) {
+      floor_map_(stage, Casters::Still, scene.lamps, nullptr, kFloorTexel),
+      far_floor_map_(stage, Casters::Still, scene.lamps, nullptr, kFarFloorTexel),
+      moving_floor_map_(stage, Casters::Moving, scene.lamps, nullptr, kMovingTexel) {
   if (scene.lamps.size() > kMaxLamps) {
     throw ParameterError("scene: lamps are " + std::to_string(scene.lamps.size()) +
                          ", must be at most " + std::to_string(kMaxLamps));
   }
-  for (const Patch* patch : stage.patches()) {
-    maps_.push_back(std::make_unique<LightMap>(stage, scene.lamps, patch, kSolidTexel));
+  for (std::size_t i = 0; i < stage.patches().size(); ++i) {
+    const Patch* patch = stage.patches()[i];
+    const Casters casters = stage.moves(i) ? Casters::All : Casters::Still;
+    maps_.push_back(std::make_unique<LightMap>(stage, casters, scene.lamps, patch, kSolidTexel));
     grains_.push_back(textures_.get(patch->material.grain));
   }
+}
+
+void Shader::forgetMoved() {
+  moving_floor_map_.forget();
+  for (std::size_t i = 0; i < maps_.size(); ++i)
+    if (stage_.moves(i)) maps_[i]->forget();
 }
 
 SIM_LANES void Shader::sky(const PixelRays& rays, Lanes& out) const {
@@ -110,16 +120,20 @@ SIM_LANES void Shader::sky(const PixelRays& rays, Lanes& out) const {
   }
 }
 
-/// Asks the ray tracer where the map is too coarse for a shadow's edge.
-void Shader::shadows(std::size_t index, const PointPacket& points, LightShares& shares) const {
-  const LampSpec& lamp = scene_.lamps[index];
-  const Vector3f at = lamp.at.cast<float>();
-  forMembers(shares.steep[index] & points.members, [&](int k) {
-    const Texel pixel{laneOf(points.position, k), laneOf(points.normal, k), laneOf(points.dpdx, k),
-                      laneOf(points.dpdy, k)};
-    if ((at - pixel.centre).dot(pixel.normal) <= 0.0F) return;
-    shares.lamp[index][k] = lampShare(stage_.tracer(), lamp, pixel, kWholeLamp);
-  });
+/// Asks the map, and the ray tracer where that is too coarse for a shadow's edge.
+void Shader::sharesOf(LightMap& map, const PointPacket& points, LightShares& shares) const {
+  map.at(points, shares);
+  if (points.weight <= kFaintest) return;
+  for (std::size_t index = 0; index < scene_.lamps.size(); ++index) {
+    const LampSpec& lamp = scene_.lamps[index];
+    const Vector3f at = lamp.at.cast<float>();
+    forMembers(shares.steep[index] & points.members, [&](int k) {
+      const Texel pixel{laneOf(points.position, k), laneOf(points.normal, k),
+                        laneOf(points.dpdx, k), laneOf(points.dpdy, k)};
+      if ((at - pixel.centre).dot(pixel.normal) <= 0.0F) return;
+      shares.lamp[index][k] = lampShare(map.tracer(), lamp, pixel, kWholeLamp);
+    });
+  }
 }
 
 /// Light of a lamp, relative to the floor straight below it.
@@ -148,15 +162,23 @@ SIM_LANES void Shader::addLamp(std::size_t index, const PointPacket& points, Lig
   }
 }
 
-void Shader::light(LightMap& map, const PointPacket& points, Lit& lit) const {
+/// Moving things darken the floor and one another; of what stands still they darken nothing.
+void Shader::light(LightMap& map, const PointPacket& points, Lit& lit) {
   LightShares shares;
-  map.at(points, shares);
+  sharesOf(map, points, shares);
+  const bool on_floor = &map == &floor_map_ || &map == &far_floor_map_;
+  if (on_floor && stage_.anyMoves()) {
+    LightShares moving;
+    sharesOf(moving_floor_map_, points, moving);
+    for (int k = 0; k < kPacket; ++k) shares.ambient[k] *= moving.ambient[k];
+    for (std::size_t lamp = 0; lamp < scene_.lamps.size(); ++lamp)
+      for (int k = 0; k < kPacket; ++k) shares.lamp[lamp][k] *= moving.lamp[lamp][k];
+  }
   const auto ambient = static_cast<float>(scene_.ambient);
   for (int k = 0; k < kPacket; ++k) {
     lit.diffuse[k] = ambient * shares.ambient[k] * (0.8F + 0.2F * points.normal.z[k]);
   }
   for (std::size_t k = 0; k < scene_.lamps.size(); ++k) {
-    if (points.weight > kFaintest) shadows(k, points, shares);
     addLamp(k, points, shares, lit);
   }
 }

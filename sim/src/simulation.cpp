@@ -32,7 +32,12 @@ void writeFootprint(std::ostream& out, const Footprint& footprint) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     out << (i == 0 ? "[" : ", [") << points[i].x() << ", " << points[i].y() << "]";
   }
-  out << "]}";
+  out << "]";
+  for (std::size_t i = 0; i < footprint.way.size(); ++i) {
+    const Waypoint& w = footprint.way[i];
+    out << (i == 0 ? ", \"way\": [[" : ", [") << w.at << ", " << w.x << ", " << w.y << "]";
+  }
+  out << (footprint.way.empty() ? "}" : "]}");
 }
 
 }  // namespace
@@ -65,6 +70,7 @@ void SimulatedCamera::capture(int frame, double time, const Moving& robot,
       return cameraAt(
           instant + (static_cast<double>(row) / (height - 1) - 0.5) * sensor.readout_time, robot);
     };
+    renderer_.moveTo(instant);
     renderer_.render(row_pose, radiance_);
     if (k == 0) sum_.assign(radiance_.size(), 0.0F);
     for (std::size_t i = 0; i < sum_.size(); ++i) {

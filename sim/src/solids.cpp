@@ -1,5 +1,6 @@
 #include "ipm_mapping_sim/solids.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "ipm_mapping_sim/random.hpp"
@@ -48,8 +49,11 @@ Solid makeCylinder(const ObstacleSpec& s) {
   Solid solid;
   solid.patches.push_back(revolvedPatch(at, s.r, 0, s.r, s.h, kSegments, s.material));
   solid.patches.push_back(discPatch(at, s.r, s.h, kSegments, s.material));
-  solid.footprints.push_back(
-      {s.name, kindName(s.kind), s.h, true, circlePolygon(at, s.r, kSegments)});
+  if (s.z > 0.0)
+    solid.patches.push_back(discPatch(at, s.r, 0, kSegments, s.material, Facing::Down));
+  else
+    solid.footprints.push_back(
+        {s.name, kindName(s.kind), s.h, true, circlePolygon(at, s.r, kSegments)});
   return solid;
 }
 
@@ -222,7 +226,9 @@ Solid makeShelf(const ObstacleSpec& s) {
 
 }  // namespace
 
-Solid makeSolid(const ObstacleSpec& spec, std::uint64_t seed) {
+namespace {
+
+Solid makeStill(const ObstacleSpec& spec, std::uint64_t seed) {
   switch (spec.kind) {
     case ObstacleKind::Box:
       return makeBox(spec);
@@ -242,6 +248,22 @@ Solid makeSolid(const ObstacleSpec& spec, std::uint64_t seed) {
       return makeShelf(spec);
   }
   return {};
+}
+
+void checkWay(const ObstacleSpec& spec) {
+  const auto later = [](const Waypoint& a, const Waypoint& b) { return a.at >= b.at; };
+  if (std::adjacent_find(spec.way.begin(), spec.way.end(), later) != spec.way.end())
+    throw ParameterError("scene: the way of " + spec.name + " has to be in the order of time");
+}
+
+}  // namespace
+
+Solid makeSolid(const ObstacleSpec& spec, std::uint64_t seed) {
+  checkWay(spec);
+  Solid solid = makeStill(spec, seed);
+  solid.way = spec.way;
+  for (Footprint& footprint : solid.footprints) footprint.way = spec.way;
+  return solid;
 }
 
 Solid makeWall(const WallSpec& spec, const std::string& name) {

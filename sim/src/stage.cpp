@@ -44,14 +44,76 @@ inline void project(const Lanes3& grad_s, const Lanes3& grad_t, const Lanes3& st
 }  // namespace
 
 Stage::Stage(const Scene& scene) : solids_(makeSolids(scene)), footprints_(footprintsOf(solids_)) {
-  for (const Solid& solid : solids_) {
+  for (Solid& solid : solids_) {
+    if (!solid.way.empty()) movers_.push_back({&solid, patches_.size(), {}, Point::Zero()});
     for (const Patch& patch : solid.patches) {
       patches_.push_back(&patch);
+      moving_.push_back(!solid.way.empty());
       addFacets(patch);
-      for (const Eigen::Vector3f& p : patch.points) extent_.extend(p.head<2>());
+      if (!solid.way.empty()) movers_.back().rest.push_back(patch.points);
     }
   }
   tracer_ = std::make_unique<Tracer>(patches_);
+  if (!anyMoves()) return;
+  still_ = std::make_unique<Tracer>(castersOf(Casters::Still));
+  of_movers_ = std::make_unique<Tracer>(castersOf(Casters::Moving));
+  moveTo(0.0);
+}
+
+bool Stage::casts(std::size_t patch, Casters casters) const {
+  return casters == Casters::All || moving_[patch] == (casters == Casters::Moving);
+}
+
+std::vector<const Patch*> Stage::castersOf(Casters casters) const {
+  std::vector<const Patch*> chosen;
+  for (std::size_t i = 0; i < patches_.size(); ++i)
+    chosen.push_back(casts(i, casters) ? patches_[i] : nullptr);
+  return chosen;
+}
+
+const Tracer& Stage::tracer(Casters casters) const {
+  if (casters == Casters::All || !anyMoves()) return *tracer_;
+  return casters == Casters::Still ? *still_ : *of_movers_;
+}
+
+Eigen::AlignedBox2f Stage::extent(Casters casters) const {
+  Eigen::AlignedBox2f extent;
+  for (const Patch* patch : castersOf(casters)) {
+    if (patch == nullptr) continue;
+    for (const Eigen::Vector3f& p : patch->points) extent.extend(p.head<2>());
+  }
+  return extent;
+}
+
+bool Stage::moveTo(double time) {
+  bool any = false;
+  for (Mover& mover : movers_) {
+    const Point gone = goneAlong(mover.solid->way, time);
+    if (gone == mover.gone) continue;
+    mover.gone = gone;
+    shift(mover);
+    any = true;
+  }
+  if (!any) return false;
+  tracer_->commit();
+  of_movers_->commit();
+  return true;
+}
+
+/// Puts a moving solid where it is now.
+void Stage::shift(const Mover& mover) {
+  const Eigen::Vector3f by(static_cast<float>(mover.gone.x()), static_cast<float>(mover.gone.y()),
+                           0.0F);
+  for (std::size_t k = 0; k < mover.rest.size(); ++k) {
+    const std::size_t index = mover.first_patch + k;
+    Patch& patch = mover.solid->patches[k];
+    for (std::size_t i = 0; i < patch.points.size(); ++i) patch.points[i] = mover.rest[k][i] + by;
+    for (int prim = 0; prim < patch.triangleCount(); ++prim)
+      facets_[first_facet_[index] + static_cast<std::size_t>(prim)].point[0] =
+          patch.points[static_cast<std::size_t>(patch.triangle(prim)[0])];
+    tracer_->update(index, patch);
+    of_movers_->update(index, patch);
+  }
 }
 
 void Stage::addFacets(const Patch& patch) {
@@ -135,8 +197,9 @@ SIM_LANES void Stage::resolvePatch(int patch, const PixelRays& rays, const HitPa
   project(grad_s, grad_t, points.dpdy, points.pixel.dy);
 }
 
-bool Stage::covered(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const {
-  const Hit hit = tracer_->nearest(point + kLift * normal, normal, kStageSize);
+bool Stage::covered(const Eigen::Vector3f& point, const Eigen::Vector3f& normal,
+                    Casters casters) const {
+  const Hit hit = tracer(casters).nearest(point + kLift * normal, normal, kStageSize);
   if (hit.patch < 0) return false;
   return facet(hit.patch, hit.prim).normal.dot(normal) > 0.0F;
 }

@@ -6,14 +6,17 @@
 namespace ipm_mapping::sim {
 namespace {
 
-void attach(RTCDevice device, RTCScene scene, const Patch& patch, unsigned id) {
-  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0,
-                                                               RTC_FORMAT_FLOAT3, 3 * sizeof(float),
-                                                               patch.points.size()));
+void writePoints(const Patch& patch, void* buffer) {
+  auto* vertices = static_cast<float*>(buffer);
   for (const Eigen::Vector3f& p : patch.points) {
     for (int k = 0; k < 3; ++k) *vertices++ = p[k];
   }
+}
+
+void attach(RTCDevice device, RTCScene scene, const Patch& patch, unsigned id) {
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  writePoints(patch, rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                             3 * sizeof(float), patch.points.size()));
   const int triangles = patch.triangleCount();
   auto* indices = static_cast<unsigned*>(
       rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
@@ -61,10 +64,19 @@ Tracer::Tracer(const std::vector<const Patch*>& patches) {
   scene_ = rtcNewScene(device_);
   rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
   for (std::size_t i = 0; i < patches.size(); ++i) {
-    attach(device_, scene_, *patches[i], static_cast<unsigned>(i));
+    if (patches[i] != nullptr) attach(device_, scene_, *patches[i], static_cast<unsigned>(i));
   }
-  rtcCommitScene(scene_);
+  commit();
 }
+
+void Tracer::update(std::size_t index, const Patch& patch) {
+  RTCGeometry geometry = rtcGetGeometry(scene_, static_cast<unsigned>(index));
+  writePoints(patch, rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0));
+  rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+  rtcCommitGeometry(geometry);
+}
+
+void Tracer::commit() { rtcCommitScene(scene_); }
 
 Tracer::~Tracer() {
   rtcReleaseScene(scene_);

@@ -30,7 +30,7 @@ void ContactConfirmation::apply(Obstacles& obstacles) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < obstacles.contacts.size(); ++i) {
     const Contact& contact = obstacles.contacts[i];
-    if (confirmed(seen[i]))
+    if (contact.moving || confirmed(seen[i]))
       obstacles.contacts[kept++] = contact;
     else
       obstacles.bearings[static_cast<std::size_t>(contact.bearing)].state = BearingState::Unknown;

@@ -43,7 +43,8 @@ double certainty(const Contact& contact, double resolution) {
   return std::min(1.0, resolution / (2.0 * static_cast<double>(contact.range_sigma)));
 }
 
-bool fresh(const Contact& contact) { return !(contact.age > 0.0F); }
+/// A map keeps nothing of what goes away again.
+bool fresh(const Contact& contact) { return !(contact.age > 0.0F) && !contact.moving; }
 
 }  // namespace
 

@@ -58,6 +58,7 @@ void toMessage(const Contact& contact, ObstacleContact& message) {
   message.score = contact.score;
   message.height = contact.height;
   message.range_sigma = contact.range_sigma;
+  message.moving = contact.moving;
   message.age = contact.age;
 }
 
@@ -70,6 +71,7 @@ Contact fromMessage(const ObstacleContact& message) {
   contact.score = message.score;
   contact.height = message.height;
   contact.range_sigma = message.range_sigma;
+  contact.moving = message.moving != 0;
   contact.age = message.age;
   return contact;
 }

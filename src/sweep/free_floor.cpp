@@ -135,7 +135,7 @@ void FreeFloor::remember(const SE2& T_floor_base, const Obstacles& obstacles) {
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const Contact& contact = contacts[k];
     const Bearing& bearing = obstacles.bearings[static_cast<std::size_t>(contact.bearing)];
-    if (bearing.range > 2.0F * bearing.near) continue;
+    if (contact.moving || bearing.range > 2.0F * bearing.near) continue;
     const Contact& next = contacts[std::min(k + 1, contacts.size() - 1)];
     const bool goes_on = next.bearing <= contact.bearing + beside &&
                          (next.p_base - contact.p_base).norm() < parameters_.free_gap;

@@ -61,6 +61,7 @@ Contact SweepDetector::contactOf(int beam, const BeamChoice& choice) const {
   const double by_height = d / grid_.height * c.sd_height;
   contact.range_sigma = static_cast<float>(
       std::sqrt(by_pixel * by_pixel + by_pitch * by_pitch + by_height * by_height));
+  contact.moving = choice.moving;
   return contact;
 }
 

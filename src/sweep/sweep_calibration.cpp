@@ -80,6 +80,7 @@ void SweepDetector::chainAnew() {
   ring_.forEach([this](RectifiedFrame& frame) {
     frame.T_floor_base = current_.T_floor_base * odometryBetween(frame, current_).inverse();
   });
+  moving_.reset();
 }
 
 /// Odometry's motion, without what is known to be wrong with it.

@@ -61,6 +61,7 @@ void SweepDetector::configure(const CameraPose& T_base_camera) {
   remembered_foot_.configure(sweep_, parameters_.free_floor, parameters_.foot);
   lone_contact_.configure(sweep_, parameters_.selection);
   plain_edge_.configure(sweep_, parameters_.free_floor, parameters_.foot);
+  moving_.configure(sweep_, max_range_, parameters_.evidence, parameters_.moving);
 }
 
 /// Everything that depends on how much of the view can be worked with.
@@ -107,6 +108,7 @@ void SweepDetector::reset() {
   free_floor_.reset();
   remembered_foot_.reset();
   lone_contact_.reset();
+  moving_.reset();
   seen_any_ = false;
 }
 
@@ -161,6 +163,7 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
     doubtLowContacts();
     remembered_foot_.complete(compared, T_floor_foot, frame.stamp, choices_);
     doubtLowContacts();  // of those as well
+    moving_.complete(compared, T_floor_foot, choices_);
     lap("known_feet");
     fillObstacles(view, obstacles);
     lap("answer");
@@ -169,6 +172,11 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
   T_floor_last_ = current_.T_floor_base;
   learnCalibration();
   kept_ = ring_.offer(current_);
+  if (kept_ && status == FrameStatus::Used) {
+    const Eigen::Vector2d foot =
+        T_floor_last_ * Eigen::Vector2d(T_base_camera_.translation().head<2>());
+    moving_.remember({foot.x(), foot.y(), T_floor_last_.theta}, obstacles);
+  }
   applyCalibration();
   applyReadout();
   applyTimeOffset();
@@ -286,7 +294,8 @@ void SweepDetector::compareWithReferences(const CurrentView& view) {
                  planes.floor_cost.view(),
                  motion,
                  swayed ? &steady_[q].beam_rows : nullptr,
-                 planes.sums.view()};
+                 planes.sums.view(),
+                 references_[q]->stamp};
     if (parameters_.evidence.specular_prior < 9.0)
       specular_.apply(view, sweep_, views_[q], motions_[q].motion.theta, planes.floor_cost.view());
   }

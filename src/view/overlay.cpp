@@ -12,7 +12,7 @@ namespace {
 
 constexpr Color panel{0x151C23}, white{0xFFFFFF}, pale{0xC9D4DE}, free_color{0x2FBF71};
 constexpr Color blocked_color{0xFFB020}, contact_color{0xF0302B}, horizon_color{0x8FD3FF};
-constexpr Color focus_color{0xFF8AD8};
+constexpr Color focus_color{0xFF8AD8}, moving_color{0x7A3BFF};
 
 constexpr int wanted_width = 1280;
 constexpr double caption_height = 112.0;
@@ -187,7 +187,7 @@ class OverlayDrawing {
     for (const Contact& c : obstacles_.contacts) {
       const Eigen::Vector2d p = onCanvas({static_cast<double>(c.u), static_cast<double>(c.v)});
       canvas_.disk(p, 6.5, white);
-      canvas_.disk(p, 4.5, contact_color);
+      canvas_.disk(p, 4.5, c.moving ? moving_color : contact_color);
     }
   }
 
@@ -233,6 +233,7 @@ class OverlayDrawing {
     const std::string contact = "obstacle meets floor";
     canvas_.text(contact, {40, y}, 11.0, pale);
     double x = key(40 + Canvas::textWidth(contact, 11.0) + 28, y, free_color, "free floor");
+    x = key(x, y, moving_color, "moves");
     x = key(x, y, blocked_color, "obstacle, its foot not in view");
     canvas_.dashedLine({{x, y - 5}, {x + 30, y - 5}}, white, 1.5, 6.0);
     canvas_.text("distance from the camera's foot", {x + 38, y}, 11.0, pale);

@@ -52,6 +52,16 @@ TEST(ContactConfirmation, ASecondSightFromAnotherPlaceConfirms) {
   EXPECT_EQ(second.bearings[1].state, BearingState::Unknown);
 }
 
+TEST(ContactConfirmation, WhatMovesIsNotSeenTwiceInOnePlace) {
+  ContactConfirmation confirmation{filtering()};
+  Obstacles obstacles = answer({}, {{1.0, 0.3}, {1.4, -0.2}});
+  obstacles.contacts[1].moving = true;
+  confirmation.apply(obstacles);
+  ASSERT_EQ(obstacles.contacts.size(), 1U);
+  EXPECT_EQ(obstacles.contacts[0].bearing, 1);
+  EXPECT_EQ(obstacles.bearings[1].state, BearingState::Occupied);
+}
+
 TEST(ContactConfirmation, SightsOfOneFrameDoNotConfirmOneAnother) {
   ContactConfirmation confirmation{filtering()};
   Obstacles obstacles = answer({}, {{1.0, 0.0}, {1.0, 0.01}, {1.0, 0.02}});

@@ -122,6 +122,19 @@ TEST_F(Memory, FreeFloorExpiresBeforeContactsAndContactsExpireToo) {
   EXPECT_TRUE(recalled.contacts.empty());
 }
 
+TEST_F(Memory, WhatMovesIsHeldNoLongerThanFreeFloor) {
+  const MemoryParameters parameters;
+  Obstacles seen = world.seenFrom({}, start);
+  ASSERT_GE(seen.contacts.size(), 2U);
+  seen.contacts[0].moving = true;
+  ASSERT_TRUE(memory.follow(frame({}, start), FrameStatus::Used, seen));
+  ASSERT_TRUE(recall({}, start + parameters.hold_free));
+  EXPECT_EQ(recalled.contacts.size(), seen.contacts.size());
+  ASSERT_TRUE(recall({}, start + parameters.hold_free + 0.01));
+  EXPECT_EQ(recalled.contacts.size(), seen.contacts.size() - 1);
+  for (const Contact& contact : recalled.contacts) EXPECT_FALSE(contact.moving);
+}
+
 TEST_F(Memory, NothingHoldsFarFromWhereItWasSeen) {
   const MemoryParameters parameters;
   see({}, start);

@@ -217,6 +217,16 @@ TEST(LogOddsMap, ARememberedContactIsNoNewEvidence) {
   EXPECT_EQ(valueAt(map, 0.5, 0.0), once);
 }
 
+TEST(LogOddsMap, WhatMovesIsNotKept) {
+  OccupancyMap map;
+  Obstacles frame = frameAt({});
+  frame.contacts = {contactAt(0.5F, 0.0F), contactAt(0.8F, 0.0F)};
+  frame.contacts[1].moving = true;
+  map.update(frame);
+  EXPECT_GT(valueAt(map, 0.5, 0.0), 0.0F);
+  EXPECT_FALSE(valueAt(map, 0.8, 0.0) > 0.0F);
+}
+
 TEST(LogOddsMap, ClampBoundsBothSidesSoThatTheMapCanChangeItsMind) {
   MapParameters parameters;
   OccupancyMap map(parameters);

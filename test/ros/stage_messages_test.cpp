@@ -98,7 +98,7 @@ Obstacles someObstacles() {
                 {0.25F, 0.2F, 0.9F, 0.4F, BearingState::Occupied},
                 {0.0F, 0.3F, 0.4F, 0.4F, BearingState::Blocked},
                 {-0.25F, 0.4F, 0.0F, 0.4F, BearingState::Unknown}};
-  o.contacts = {{1, 320.5F, 200.25F, {0.9F, 0.1F}, 12.0F, 0.3F, 0.01F, 0.5F}};
+  o.contacts = {{1, 320.5F, 200.25F, {0.9F, 0.1F}, 12.0F, 0.3F, 0.01F, 0.5F, true}};
   o.candidates = {o.contacts[0], {2, 1.0F, 2.0F, {3.0F, 4.0F}, 5.0F, 6.0F, 7.0F, 8.0F}};
   return o;
 }
@@ -136,6 +136,8 @@ TEST(StageMessages, ObstaclesSurviveWhole) {
   EXPECT_EQ(c.score, 5.0F);
   EXPECT_EQ(c.height, 6.0F);
   EXPECT_EQ(c.range_sigma, 7.0F);
+  EXPECT_FALSE(c.moving);
+  EXPECT_TRUE(back.contacts[0].moving);
   EXPECT_EQ(c.age, 8.0F);
 }
 

@@ -221,6 +221,42 @@ TEST(Renderer, HardLampCastsTheShadowWhereGeometryPutsIt) {
   EXPECT_GT(light(y - 0.015), 1.3F * light(y + 0.015));
 }
 
+/// Something that has gone somewhere looks, and throws shadows, as if it had always stood there.
+TEST(Renderer, AMovedThingIsWhereItHasGone) {
+  const std::string lamp =
+      "lamps: [{at: [1.0, 1.0, 2.0], energy: 1.0}],"
+      "floor: {albedo: 0.5, grain: none, blotch_contrast: 0, reflection: 0.2},";
+  const std::string post =
+      "kind: cylinder, name: p, r: 0.08, h: 0.4,"
+      "material: {albedo: 0.4, grain: none}";
+  const Scene gone = plainScene(lamp + "obstacles: [{" + post +
+                                ", x: 3.0, y: 1.5, way: [{at: 0, x: 0, y: 0}, "
+                                "{at: 2, x: -3.0, y: -3.0}]}]");
+  const Scene stands = plainScene(lamp + "obstacles: [{" + post + ", x: 1.5, y: 0.0}]");
+  Renderer moved(gone), fixed(stands);
+  moved.moveTo(1.0);
+  const std::vector<float> a = still(moved, gone), b = still(fixed, stands);
+  double worst = 0.0, sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    worst = std::max(worst, std::abs(static_cast<double>(a[i] - b[i])));
+    sum += std::abs(static_cast<double>(a[i] - b[i]));
+  }
+  EXPECT_LT(sum / static_cast<double>(a.size()), 5e-4);
+  EXPECT_LT(worst, 0.12) << "coarser squares of light at the shadow's edge";
+  // The check can fail: before it has gone, and once it goes on.
+  for (const double time : {0.0, 1.1}) {
+    moved.moveTo(time);
+    const std::vector<float> other = still(moved, gone);
+    double difference = 0.0;
+    for (std::size_t i = 0; i < a.size(); ++i)
+      difference += std::abs(static_cast<double>(other[i] - b[i]));
+    EXPECT_GT(difference / static_cast<double>(a.size()), 2e-3) << time;
+  }
+  // and back again, to the bit
+  moved.moveTo(1.0);
+  EXPECT_EQ(still(moved, gone), a);
+}
+
 TEST(Simulation, TheSameSeedMakesTheSameBytesAndAnotherSeedDoesNot) {
   const std::string text =
       "{name: test, camera: {width: 160, height: 120, fx: 130, fy: 130, cx: 79.5, cy: 59.5},"
@@ -244,7 +280,9 @@ TEST(Simulation, AFrameDoesNotDependOnTheFramesBeforeIt) {
   const std::string text =
       "{name: test, camera: {width: 160, height: 120, fx: 130, fy: 130, cx: 79.5, cy: 59.5},"
       " lamps: [{at: [1, 0.5, 2.5], energy: 0.5}], drive: [{seconds: 1, v: 0.2}],"
-      " obstacles: [{kind: cylinder, name: c, x: 1.2, y: 0.1, r: 0.1, h: 0.3}]}";
+      " obstacles: [{kind: cylinder, name: c, x: 1.2, y: 0.1, r: 0.1, h: 0.3},"
+      "             {kind: box, name: b, x: 1.4, y: 0.5, h: 0.3,"
+      "              way: [{at: 0, y: 0}, {at: 1, y: -1}]}]}";
   Simulation whole(parseScene(text)), late(parseScene(text));
   std::vector<std::uint8_t> a, b;
   for (int frame = 0; frame <= 7; ++frame) whole.capture(frame, a);

@@ -68,6 +68,19 @@ TEST(Scene, WhatIsNoObstacleIsNoSolidInTheTruth) {
   EXPECT_EQ(rug.find(corner + "]", first + 2), rug.find("]]", first) + 1 - corner.size());
 }
 
+TEST(Scene, TheTruthHasTheWayOfWhatMoves) {
+  const std::string truth = truthJson(
+      Simulation(parseScene("{name: a, obstacles: [{kind: box, name: b, x: 1.5, way: [{at: 0.5}, "
+                            "{at: 2, x: 0.25, y: -1}]}, {kind: box, name: c, x: 3}]}")),
+      1);
+  const std::size_t footprints = truth.find("\"footprints\"");
+  ASSERT_NE(footprints, std::string::npos);
+  EXPECT_NE(truth.find("\"way\": [[0.5, 0, 0], [2, 0.25, -1]]}", footprints), std::string::npos);
+  const std::size_t other = truth.find("\"name\": \"c\"", footprints);
+  ASSERT_NE(other, std::string::npos);
+  EXPECT_EQ(truth.find("\"way\"", other), std::string::npos);
+}
+
 TEST(Scene, NoScriptedDriveOfAShippedSceneTouchesAnything) {
   int scenes = 0;
   for (const auto& file : std::filesystem::directory_iterator(kScenes)) {

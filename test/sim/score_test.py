@@ -86,6 +86,32 @@ class ScoreTest(unittest.TestCase):
         self.assertLess(figures["median_error_cm"], 0.01)
         self.assertGreater(figures["visible_bearings"], 200)
 
+    def test_what_moves_is_where_it_is_at_the_time(self):
+        still = {"name": "b", "kind": "box", "height": 0.3, "polygon": BOX}
+        moving = dict(still, way=[[0.5, 0.0, 0.0], [1.5, 0.3, -0.4]])
+        truth = truth_file(self.folder.name, [moving])
+        here = write_run(self.folder.name, lambda frame: perfect(
+            truth.at(START + frame / 10), frame), truth=truth)
+        figures = scoring.score(truth, here)
+        self.assertEqual(figures["false_percent"], 0.0)
+        self.assertGreater(figures["recall_percent"], 99.9)
+        self.assertEqual(list(figures["kinds"]), ["moving"])
+        stays = write_run(self.folder.name, lambda frame: perfect(truth, frame))
+        figures = scoring.score(truth, stays)
+        self.assertGreater(figures["false_percent"], 30.0)
+        self.assertLess(figures["recall_percent"], 70.0)
+
+    def test_a_map_need_not_keep_what_has_gone(self):
+        moving = {"name": "b", "kind": "box", "height": 0.3, "polygon": BOX,
+                  "way": [[0.5, 0.0, 0.0], [1.0, 0.0, 5.0]]}
+        truth = truth_file(self.folder.name, [moving])
+        run = write_run(self.folder.name, lambda frame: perfect(
+            truth.at(START + frame / 10), frame), truth=truth)
+        self.write_map([])
+        self.assertIsNone(scoring.score(truth, run)["map_coverage_percent"])
+        self.write_map([(20, 24)])
+        self.assertEqual(scoring.score(truth, run)["map_false_cells_percent"], 100.0)
+
     def test_contacts_fifteen_centimetres_too_near_score_near_zero(self):
         figures = self.figures(lambda contacts: [(x - 0.15, y) for x, y in contacts])
         self.assertLess(figures["recall_percent"], 5.0)
@@ -154,25 +180,27 @@ class ScoreTest(unittest.TestCase):
         self.assertEqual(figures["frames_used"], 0)
         self.assertEqual(figures["points"], 0)
 
-    def test_map_cells_are_false_or_cover(self):
-        truth = box_truth(self.folder.name)
-        run = write_run(self.folder.name, lambda frame: [])
-        grid = np.full((40, 60), 205, np.uint8)  # origin (0, -1), 5 cm
-        front = int(1.2 / 0.05)
-        for row in range(14, 30):  # y from -0.3 to 0.5
-            grid[39 - row, front] = 0
-        grid[10, 5] = 0  # a stray cell in the open
+    def write_map(self, occupied):
+        """Rows count from y = -1, columns from x = 0, both in steps of 5 cm."""
+        grid = np.full((40, 60), 254, np.uint8)
+        for row, column in occupied:
+            grid[39 - row, column] = 0
         with open(os.path.join(self.folder.name, "map.pgm"), "wb") as file:
             file.write(b"P5\n# made by hand\n60 40\n255\n" + grid.tobytes())
         with open(os.path.join(self.folder.name, "map.yaml"), "w") as file:
             file.write("image: map.pgm\nresolution: 0.05\norigin: [0.0, -1.0, 0.0]\n")
+
+    def test_map_cells_are_false_or_cover(self):
+        truth = box_truth(self.folder.name)
+        run = write_run(self.folder.name, lambda frame: [])
+        front = int(1.2 / 0.05)
+        face = [(row, front) for row in range(14, 30)]  # y from -0.3 to 0.5
+        self.write_map(face + [(29, 5)])  # and a stray cell in the open
         figures = scoring.score(truth, run)
         self.assertEqual(figures["map_occupied_cells"], 17)
         self.assertAlmostEqual(figures["map_false_cells_percent"], 100 / 17)
         self.assertGreater(figures["map_coverage_percent"], 95.0)
-        os.remove(os.path.join(self.folder.name, "map.pgm"))
-        with open(os.path.join(self.folder.name, "map.pgm"), "wb") as file:
-            file.write(b"P5\n60 40\n255\n" + np.full((40, 60), 254, np.uint8).tobytes())
+        self.write_map([])
         self.assertEqual(scoring.score(truth, run)["map_coverage_percent"], 0.0)
 
 

@@ -105,6 +105,15 @@ TEST_F(Free, WhatPassedBelowTheViewStillHidesTheFloor) {
   EXPECT_EQ(at(middle + 4).state, BearingState::Free);
 }
 
+TEST_F(Free, WhatMovesDoesNotStayBelowTheView) {
+  contact(middle, 0.5);
+  obstacles.contacts.back().moving = true;
+  limit();
+  newFrame(0.5);
+  limit({0.2, 0.0, 0.0});
+  EXPECT_EQ(at(middle).state, BearingState::Free);
+}
+
 TEST_F(Free, ARobotThatTurnsKeepsItInItsDirection) {
   contact(middle, 0.5);
   limit();

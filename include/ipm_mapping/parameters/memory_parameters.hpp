@@ -23,7 +23,7 @@ struct MemoryParameters {
         "contacts of the last used frames are published this long while the robot stands or turns "
         "on the spot, with growing age; 0: nothing is published then");
     field("hold_free", self.hold_free, Unit{"s"}, Range{0.0, 3600.0},
-          "the same for free floor, which somebody may step on");
+          "the same for free floor, which somebody may step on, and for what moves");
     field("hold_distance", self.hold_distance, Unit{"m"}, Range{0.0, 100.0},
           "nothing holds this far from where it was seen");
     field("filter", self.filter,

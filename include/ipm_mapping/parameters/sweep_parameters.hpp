@@ -245,6 +245,27 @@ struct SelectionParameters {
   }
 };
 
+/// What has come onto floor that was free a moment ago.
+struct MovingParameters {
+  double moving_score = 20.0;
+  double moving_cost = 3.0;
+  double moving_height = 0.2;
+  double moving_width = 0.05;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& field) {
+    field("moving_score", self.moving_score, Unit{""}, Range{0.0, 1000.0},
+          "what stands on floor that was free a moment ago, and does not look like floor by so "
+          "much, is a contact: somebody has come; 0: what moves is not looked for");
+    field("moving_cost", self.moving_cost, Unit{"sigma^2"}, Range{0.1, 9.0},
+          "a row that costs the floor less says that it is floor");
+    field("moving_height", self.moving_height, Unit{"camera heights"}, Range{0.0, 0.9},
+          "it has to be seen over so much of its height");
+    field("moving_width", self.moving_width, Unit{"m"}, Range{0.0, 10.0},
+          "and over so much of its width");
+  }
+};
+
 /// How well the camera's pose is known: what a contact's range is worth.
 struct CalibrationUncertainty {
   double sd_pitch = 0.0035;
@@ -270,6 +291,7 @@ struct SweepParameters {
   SelectionParameters selection;
   FreeFloorParameters free_floor;
   FootParameters foot;
+  MovingParameters moving;
   CalibrationUncertainty uncertainty;
 
   template <class Self, class Visitor>
@@ -282,6 +304,7 @@ struct SweepParameters {
     SelectionParameters::fields(self.selection, field);
     FreeFloorParameters::fields(self.free_floor, field);
     FootParameters::fields(self.foot, field);
+    MovingParameters::fields(self.moving, field);
     CalibrationUncertainty::fields(self.uncertainty, field);
   }
 };

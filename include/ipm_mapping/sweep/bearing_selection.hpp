@@ -17,6 +17,7 @@ struct BeamChoice {
   bool by_edge =
       false;  ///< a known foot, found again by its edge (FootEdge): no parallax of its own
   bool doubtful = false;  ///< alone or low: neither contact nor free floor
+  bool moving = false;    ///< has come onto free floor
   [[nodiscard]] bool any() const { return candidate >= 0.0F; }
 };
 

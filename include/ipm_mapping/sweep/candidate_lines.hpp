@@ -24,6 +24,7 @@ struct SweepReference {
   /// view.
   const std::vector<RowRange>* rows = nullptr;
   ImageView<const std::int32_t> sums{};  ///< BeamSums of even; empty: brightness is taken as it is
+  double stamp = 0.0;
 
   [[nodiscard]] RowRange seen(std::size_t line, const std::vector<RowRange>& view) const {
     return rows != nullptr ? (*rows)[line] : view[line];

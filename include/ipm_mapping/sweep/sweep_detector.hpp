@@ -15,6 +15,7 @@
 #include "ipm_mapping/sweep/level_top.hpp"
 #include "ipm_mapping/sweep/lone_contact.hpp"
 #include "ipm_mapping/sweep/motion_refinement.hpp"
+#include "ipm_mapping/sweep/moving_obstacle.hpp"
 #include "ipm_mapping/sweep/noise_model.hpp"
 #include "ipm_mapping/sweep/plain_edge.hpp"
 #include "ipm_mapping/sweep/reference_ring.hpp"
@@ -145,6 +146,7 @@ class SweepDetector : public Detector {
   LoneContact lone_contact_;
   PlainEdge plain_edge_;
   FreeFloor free_floor_;
+  MovingObstacle moving_;
   ReferenceRing ring_;
   BlockLattice lattice_;
 

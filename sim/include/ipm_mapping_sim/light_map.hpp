@@ -1,7 +1,7 @@
 #pragma once
-// Light that reaches a surface, found once for each small square of it and kept: lamps and solids
-// do not move. Where a shadow's edge crosses a square, the square says so and the pixel is to ask
-// the ray tracer itself.
+// Light that reaches a surface, found once for each small square of it and kept until forget():
+// lamps and most solids do not move. Where a shadow's edge crosses a square, the square says so and
+// the pixel is to ask the ray tracer itself.
 
 #include <cstdint>
 #include <memory>
@@ -34,8 +34,14 @@ float lampShare(const Tracer& tracer, const LampSpec& lamp, const Texel& area, i
 
 class LightMap {
  public:
-  /// Map of one patch, or of the floor with patch == nullptr; `texel` metres a square.
-  LightMap(const Stage& stage, const std::vector<LampSpec>& lamps, const Patch* patch, float texel);
+  /// What `casters` leave of the light on one patch, or on the floor with patch == nullptr; `texel`
+  /// metres a square.
+  LightMap(const Stage& stage, Casters casters, const std::vector<LampSpec>& lamps,
+           const Patch* patch, float texel);
+
+  /// Something has moved.
+  void forget();
+  [[nodiscard]] const Tracer& tracer() const { return stage_.tracer(casters_); }
 
   /// Shares at the members of a packet; the other lanes see all light.
   void at(const PointPacket& points, LightShares& out);
@@ -62,6 +68,7 @@ class LightMap {
   void markSteep(const std::vector<Baked>& baked, Tile& tile) const;
 
   const Stage& stage_;
+  Casters casters_;
   const std::vector<LampSpec>& lamps_;
   const Patch* patch_;
   float texel_;

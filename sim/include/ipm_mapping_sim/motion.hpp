@@ -18,8 +18,8 @@ Command scriptedCommand(const std::vector<DriveSegment>& drive, double time);
 /// How the wheels hold at a time; full grip outside of the slips.
 const SlipSpec& slipAt(const OdometrySpec& odometry, double time);
 
-/// Distance from a point to an outline, 0 inside a closed one.
-double distanceTo(const Footprint& footprint, const Point& point);
+/// Distance from a point to an outline, where that is at a time; 0 inside a closed one.
+double distanceTo(const Footprint& footprint, const Point& point, double time);
 
 /// Pose after `distance` metres along an arc that turns by `turn`; the heading is not wrapped.
 SE2 alongArc(const SE2& from, double distance, double turn);
@@ -29,15 +29,16 @@ class Body {
  public:
   Body(const RobotSpec& spec, std::vector<Footprint> footprints);
 
-  /// One step of `dt` seconds towards the commanded speeds; the grip is true per turned motion.
-  void step(const Command& command, const SlipSpec& grip, double dt);
+  /// One step of `dt` seconds from `time` on towards the commanded speeds; the grip is true per
+  /// turned motion.
+  void step(const Command& command, const SlipSpec& grip, double time, double dt);
 
   [[nodiscard]] const SE2& pose() const { return pose_; }
   [[nodiscard]] const Command& wheels() const { return wheels_; }
   [[nodiscard]] bool touching() const { return touching_; }
 
  private:
-  [[nodiscard]] bool free(const SE2& pose) const;
+  [[nodiscard]] bool free(const SE2& pose, double time) const;
 
   RobotSpec spec_;
   std::vector<Footprint> footprints_;

@@ -31,12 +31,14 @@ struct Footprint {
   double height = 0.0;
   bool closed = true;
   std::vector<Point> points;
+  std::vector<Waypoint> way{};
 };
 
 /// A solid: what the camera sees and what the truth says.
 struct Solid {
   std::vector<Patch> patches;
   std::vector<Footprint> footprints;
+  std::vector<Waypoint> way{};
 };
 
 /// Where a solid's own axes are in the world.
@@ -59,8 +61,10 @@ void addBox(const Placement& at, const Eigen::AlignedBox3d& box, const Material&
 Patch revolvedPatch(const Placement& at, double r0, double z0, double r1, double z1, int segments,
                     const Material& material);
 
-/// Disc of radius r at height z, facing up.
-Patch discPatch(const Placement& at, double r, double z, int segments, const Material& material);
+/// Disc of radius r at height z, facing up or down.
+enum class Facing { Up, Down };
+Patch discPatch(const Placement& at, double r, double z, int segments, const Material& material,
+                Facing facing = Facing::Up);
 
 /// Closed polygon with the vertices that revolvedPatch() has at radius r.
 std::vector<Point> circlePolygon(const Placement& at, double r, int segments);

@@ -19,6 +19,9 @@ class Renderer {
   [[nodiscard]] const Stage& stage() const { return stage_; }
   [[nodiscard]] const Lens& lens() const { return lens_; }
 
+  /// Where moving things are in the pictures that follow.
+  void moveTo(double time);
+
   /// Linear radiance of each pixel, row-major; the buffer is resized. One ray a pixel, sixteen
   /// where two surfaces meet in it or in its mirror image.
   void render(const RowPose& T_world_camera, std::vector<float>& radiance);

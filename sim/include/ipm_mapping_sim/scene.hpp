@@ -43,6 +43,23 @@ struct Material {
   }
 };
 
+/// A place on a moving thing's way: it goes straight from one to the next, and stays where it is
+/// before the first and after the last.
+struct Waypoint {
+  double at = 0.0, x = 0.0, y = 0.0;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& field) {
+    const Range place{-100.0, 100.0};
+    field("at", self.at, Unit{"s"}, Range{-1e5, 1e5}, "when it is there, after the first frame");
+    field("x", self.x, Unit{"m"}, place, "how far it has gone from its x");
+    field("y", self.y, Unit{"m"}, place, "how far it has gone from its y");
+  }
+};
+
+/// How far a thing has gone along its way.
+Point goneAlong(const std::vector<Waypoint>& way, double time);
+
 /// Anything standing or lying on the floor; which lengths count depends on the kind.
 struct ObstacleSpec {
   ObstacleKind kind = ObstacleKind::Box;
@@ -50,6 +67,7 @@ struct ObstacleSpec {
   double x = 0.0, y = 0.0, z = 0.0, yaw = 0.0;
   double lx = 0.3, ly = 0.3, h = 0.3, r = 0.1, leg = 0.04, back = 0.0;
   std::vector<Point> points;
+  std::vector<Waypoint> way;
   Material material;
 
   template <class Self, class Visitor>
@@ -68,6 +86,7 @@ struct ObstacleSpec {
     field("leg", self.leg, Unit{"m"}, length, "side of a leg's square section");
     field("back", self.back, Unit{"m"}, any, "height of a chair's back above the seat");
     field("points", self.points, "course of a cable");
+    field("way", self.way, "where it goes; none: it stands still");
     field("material", self.material, "surface");
   }
 };

@@ -20,6 +20,9 @@ class Shader {
  public:
   Shader(const Scene& scene, const Stage& stage);
 
+  /// Something on the stage has moved.
+  void forgetMoved();
+
   [[nodiscard]] bool glossyFloor() const { return scene_.floor.reflection > 0.0; }
   /// Radiance of the members' surface, which is `surface` for all of them. Where it is a glossy
   /// floor `mirrors` is filled, and the radiance is without what comes along the mirrored rays.
@@ -36,9 +39,9 @@ class Shader {
   void solid(int patch, const PointPacket& points, Lanes& out);
   [[nodiscard]] LightMap& floorMap(const PointPacket& points);
   void floor(const PointPacket& points, const PixelRays& rays, Lanes& out, Mirrors& mirrors);
-  void light(LightMap& map, const PointPacket& points, Lit& lit) const;
+  void light(LightMap& map, const PointPacket& points, Lit& lit);
   void addLamp(std::size_t index, const PointPacket& points, LightShares& shares, Lit& lit) const;
-  void shadows(std::size_t index, const PointPacket& points, LightShares& shares) const;
+  void sharesOf(LightMap& map, const PointPacket& points, LightShares& shares) const;
   void albedoOf(int patch, const PointPacket& points, Lanes& out) const;
   void addHighlights(std::size_t index, const Lanes3& normal, const Lanes3& to_eye, const Lit& lit,
                      Lanes& sum) const;
@@ -49,7 +52,7 @@ class Shader {
   const Stage& stage_;
   TextureSet textures_;
   Floor floor_;
-  LightMap floor_map_, far_floor_map_;
+  LightMap floor_map_, far_floor_map_, moving_floor_map_;
   std::vector<std::unique_ptr<LightMap>> maps_;
   std::vector<const Texture*> grains_;
 };

@@ -14,10 +14,15 @@ namespace ipm_mapping::sim {
 
 class Tracer {
  public:
+  /// Surfaces keep their index as their number; those that are nullptr are left out.
   explicit Tracer(const std::vector<const Patch*>& patches);
   ~Tracer();
   Tracer(const Tracer&) = delete;
   Tracer& operator=(const Tracer&) = delete;
+
+  /// Takes over where the points of a patch are now; counts with the next commit().
+  void update(std::size_t index, const Patch& patch);
+  void commit();
 
   /// Nearest hit of each ray in `active` within its reach; patch is -1 where there is none.
   void nearest(const RayPacket& rays, unsigned active, HitPacket& hits) const;

@@ -1,0 +1,47 @@
+#pragma once
+
+#include "sweep/sweep_fixture.hpp"
+
+namespace ipm_mapping::test {
+
+/// Drives a detector through a rendered world.
+class Drive {
+ public:
+  explicit Drive(const sweep::SweepParameters& parameters = smallParameters(), double pitch = 0.42)
+      : scene(smallCamera(), smallCameraPose(pitch)), detector(parameters) {
+    detector.setCamera(scene.camera, scene.T_base_camera);
+  }
+  FrameStatus at(const SE2& pose) { return at(pose, pose); }
+  /// The robot is at a pose, its wheels say another one.
+  FrameStatus at(const SE2& pose, const SE2& by_wheels) {
+    const Image<std::uint8_t> picture = scene.render(pose, sway);
+    Frame frame;
+    frame.index = index++;
+    frame.stamp = 0.1 * static_cast<double>(frame.index);
+    frame.image = picture.view();
+    frame.T_odom_base = by_wheels;
+    last = pose;
+    return detector.process(frame, obstacles);
+  }
+  /// Forward (or back) along x in steps; returns the last status.
+  FrameStatus along(double from, double to, int steps) {
+    FrameStatus status = FrameStatus::NoReference;
+    for (int i = 0; i <= steps; ++i) status = at({from + (to - from) * i / steps, 0.0, 0.0});
+    return status;
+  }
+  /// Share of the contacts within 3 cm of a box.
+  [[nodiscard]] double shareOnOutlines() const {
+    int good = 0;
+    for (const Contact& c : obstacles.contacts)
+      good += scene.distanceToOutline(last * c.p_base.cast<double>()) < 0.03;
+    return obstacles.contacts.empty() ? 0.0 : good / static_cast<double>(obstacles.contacts.size());
+  }
+  GrainedScene scene;
+  sweep::SweepDetector detector;
+  Obstacles obstacles;
+  std::uint64_t index = 0;
+  sweep::Sway sway;  // of the camera from now on
+  SE2 last;
+};
+
+}  // namespace ipm_mapping::test
