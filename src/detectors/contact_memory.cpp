@@ -206,7 +206,8 @@ void ContactMemory::recallContacts(const Frame& frame, int back, Obstacles& obst
   const SE2 T_now_seen = frame.T_odom_base.inverse() * seen.T_odom_base;
   const GroundProjection floor = obstacles.view.currentFloor();
   for (Contact contact : view(back).contacts()) {
-    if (contact.moving && !holds(back, frame, parameters_.hold_free)) continue;
+    // once only: where it was before, it is not any more
+    if (contact.moving && (back > 0 || !holds(back, frame, parameters_.hold_free))) continue;
     const Eigen::Vector2d p_seen = contact.p_base.cast<double>();
     if (refuted(back, seen.T_odom_base * p_seen)) continue;
     const Eigen::Vector2d p_base = T_now_seen * p_seen;

@@ -32,7 +32,8 @@ void FloorHistory::beginFrame(double stamp, const Eigen::Vector2d& p_floor_foot)
 void FloorHistory::setFree(const Eigen::Vector2d& p_floor) {
   Cell& cell = cells_[indexOf(p_floor)];
   const std::int64_t passed = frame_ - cell.newest;
-  cell.free = (passed < most_frames ? cell.free << passed : 0U) | 1U;
+  cell.free <<= static_cast<std::size_t>(passed);
+  cell.free.set(0);
   cell.newest = frame_;
 }
 
@@ -46,7 +47,7 @@ int FloorHistory::framesAgo(double stamp) const {
 bool FloorHistory::wasFree(const Eigen::Vector2d& p_floor, int frames_ago) const {
   const Cell& cell = cells_[indexOf(p_floor)];
   const std::int64_t bit = frames_ago - (frame_ - cell.newest);
-  return bit >= 0 && bit < most_frames && (cell.free >> bit & 1U) != 0;
+  return bit >= 0 && bit < most_frames && cell.free[static_cast<std::size_t>(bit)];
 }
 
 const Eigen::Vector2d& FloorHistory::foot(int frames_ago) const {

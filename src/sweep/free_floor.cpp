@@ -137,7 +137,7 @@ void FreeFloor::remember(const SE2& T_floor_base, const Obstacles& obstacles) {
     const Bearing& bearing = obstacles.bearings[static_cast<std::size_t>(contact.bearing)];
     if (contact.moving || bearing.range > 2.0F * bearing.near) continue;
     const Contact& next = contacts[std::min(k + 1, contacts.size() - 1)];
-    const bool goes_on = next.bearing <= contact.bearing + beside &&
+    const bool goes_on = !next.moving && next.bearing <= contact.bearing + beside &&
                          (next.p_base - contact.p_base).norm() < parameters_.free_gap;
     if (remembered_.size() == most_remembered) remembered_.erase(remembered_.begin());
     remembered_.push_back(

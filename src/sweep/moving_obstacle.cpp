@@ -12,7 +12,9 @@ constexpr double reach = 3.2;            // ranges until it wraps around: the vi
 constexpr double behind_foot = 0.6;      // cells, to be surely on what has come
 constexpr double behind_mirrored = 1.2;  // a mirror image does not quite go along
 constexpr double step = 0.9;             // cells between places along a bearing
-constexpr double longest_step = 0.3;     // metres from frame to frame
+constexpr double fastest = 3.0;          // metres a second
+constexpr double longest_pause = 0.5;    // seconds between two sights
+constexpr double widest_gap = 0.25;      // metres between neighbours
 constexpr int most_missing = 6;          // beams between neighbours
 constexpr double same_thing = 6.0;       // candidates between neighbours
 
@@ -30,17 +32,21 @@ void MovingObstacle::reset() {
 
 void MovingObstacle::configure(const VerticalSweep& sweep, double max_range,
                                const EvidenceParameters& evidence,
+                               const SelectionParameters& selection,
                                const MovingParameters& parameters) {
   parameters_ = parameters;
   grid_ = sweep.scoreGrid();
   cost_ = static_cast<std::int32_t>(std::lround(parameters.moving_cost * kernels::cost_unit));
-  least_rows_ = static_cast<int>(std::lround(grid_.rowsUp(parameters.moving_height)));
+  const double least_height =
+      std::max(parameters.moving_height, selection.least_height / grid_.height);
+  least_rows_ = static_cast<int>(std::lround(grid_.rowsUp(std::min(least_height, 0.9))));
   row_weight_.clear();
   const double first_row = sweep.sweepRow(0.0);
   for (int row = 0; row < static_cast<int>(sweep.sweepRow(sweep.candidates())); ++row)
     row_weight_.push_back(static_cast<float>(evidence.evidence_rows * grid_.slope(row - first_row) /
                                              grid_.candidates_per_log / kernels::cost_unit));
   come_.resize(static_cast<std::size_t>(sweep.beams()));
+  run_.reserve(come_.size());
   feet_.reserve(come_.size());
   feet_before_.reserve(come_.size());
   history_.configure(max_range / cells_a_range, reach * max_range);
@@ -95,61 +101,77 @@ bool MovingObstacle::hasCome(const ComparedFrame& frame, const SE2& T_floor_foot
   return false;
 }
 
-/// Beams from one on that see the same thing, but for a few that do not see it.
-int MovingObstacle::endOfRun(int first) const {
-  const int beams = static_cast<int>(come_.size());
-  const auto candidate = [&](int beam) {
-    return double{come_[static_cast<std::size_t>(beam)].candidate};
-  };
-  int last = first;
-  for (int beam = first + 1; beam < beams && beam - last <= most_missing + 1; ++beam)
-    if (come_[static_cast<std::size_t>(beam)].any() &&
-        std::abs(candidate(beam) - candidate(last)) <= same_thing)
-      last = beam;
-  return last + 1;
-}
-
-double MovingObstacle::widthOf(int first, int end) const {
-  double nearest = std::numeric_limits<double>::infinity();
-  for (int beam = first; beam < end; ++beam) {
-    const BeamChoice& foot = come_[static_cast<std::size_t>(beam)];
-    if (foot.any()) nearest = std::min(nearest, grid_.point(beam, double{foot.candidate}).norm());
+/// Collects the beams from one on that see the same thing, but for a few that do not see it.
+void MovingObstacle::collectRun(int first) {
+  const auto foot = [&](int beam) { return footAt(beam); };
+  run_.assign(1, first);
+  for (int beam = first + 1; beam < static_cast<int>(come_.size()); ++beam) {
+    const int last = run_.back();
+    if (beam - last > most_missing + 1) break;
+    if (!come_[static_cast<std::size_t>(beam)].any()) continue;
+    const double apart = std::abs(double{come_[static_cast<std::size_t>(beam)].candidate} -
+                                  double{come_[static_cast<std::size_t>(last)].candidate});
+    if (apart <= same_thing && (foot(beam) - foot(last)).norm() <= widest_gap) run_.push_back(beam);
   }
-  return nearest * std::abs(grid_.azimuth_step) * (end - first);
 }
 
-void MovingObstacle::complete(const ComparedFrame& frame, const SE2& T_floor_foot,
+Eigen::Vector2d MovingObstacle::footAt(int beam) const {
+  return grid_.point(beam, double{come_[static_cast<std::size_t>(beam)].candidate});
+}
+
+double MovingObstacle::widthOfRun() const {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const int beam : run_) nearest = std::min(nearest, footAt(beam).norm());
+  return nearest * std::abs(grid_.azimuth_step) * (run_.back() - run_.front() + 1);
+}
+
+/// Floor that comes into view in front of what a beam has found may be hidden by something that
+/// moves: whatever ends well in front of a contact is asked as if that were not there.
+bool MovingObstacle::inFrontOf(const BeamChoice& foot, const BeamChoice& choice) const {
+  return !choice.any() || choice.doubtful || foot.candidate > choice.candidate + 2.0 * same_thing;
+}
+
+void MovingObstacle::complete(const ComparedFrame& frame, const SE2& T_floor_foot, double stamp,
                               std::vector<BeamChoice>& choices) {
   if (parameters_.moving_score <= 0.0 || choices.size() != come_.size()) return;
+  const double since = stamp - feet_stamp_;
+  longest_step_ = since <= longest_pause ? fastest * since + 2.0 * history_.cell() : -1.0;
   std::swap(feet_, feet_before_);
   feet_.clear();
+  feet_stamp_ = stamp;
   for (std::size_t i = 0; i < come_.size(); ++i) {
     const int beam = static_cast<int>(i);
-    come_[i] = choices[i].any() ? BeamChoice{} : footOf(frame, beam);
+    come_[i] = footOf(frame, beam);
     if (come_[i].any() &&
-        !hasCome(frame, T_floor_foot, grid_.point(beam, double{come_[i].candidate})))
+        (!inFrontOf(come_[i], choices[i]) || !hasCome(frame, T_floor_foot, footAt(beam))))
       come_[i] = BeamChoice{};
   }
   for (int first = 0; first < static_cast<int>(come_.size()); ++first) {
     if (!come_[static_cast<std::size_t>(first)].any()) continue;
-    const int end = endOfRun(first);
-    if (end - first > 1 && widthOf(first, end) >= parameters_.moving_width &&
-        seenAgain(T_floor_foot, first, end))
-      publish(first, end, choices);
-    first = end - 1;
+    collectRun(first);
+    if (run_.size() > 1 && widthOfRun() >= widthAsked(choices) && seenAgain(T_floor_foot))
+      publishRun(choices);
+    first = run_.back();
   }
 }
 
+/// Twice as much where it would take the place of a contact.
+double MovingObstacle::widthAsked(const std::vector<BeamChoice>& choices) const {
+  const bool displaces = std::any_of(run_.begin(), run_.end(), [&](int beam) {
+    const BeamChoice& choice = choices[static_cast<std::size_t>(beam)];
+    return choice.any() && !choice.doubtful;
+  });
+  return (displaces ? 2.0 : 1.0) * parameters_.moving_width;
+}
+
 /// Remembers the feet of a run; true if one of them is a step from what the frame before had.
-bool MovingObstacle::seenAgain(const SE2& T_floor_foot, int first, int end) {
+bool MovingObstacle::seenAgain(const SE2& T_floor_foot) {
   bool again = false;
-  for (int beam = first; beam < end; ++beam) {
-    const BeamChoice& foot = come_[static_cast<std::size_t>(beam)];
-    if (!foot.any()) continue;
-    const Eigen::Vector2d p_floor = T_floor_foot * grid_.point(beam, double{foot.candidate});
+  for (const int beam : run_) {
+    const Eigen::Vector2d p_floor = T_floor_foot * footAt(beam);
     again = again || std::any_of(feet_before_.begin(), feet_before_.end(),
                                  [&](const Eigen::Vector2d& before) {
-                                   return (p_floor - before).norm() <= longest_step;
+                                   return (p_floor - before).norm() <= longest_step_;
                                  });
     feet_.push_back(p_floor);
   }
@@ -157,19 +179,20 @@ bool MovingObstacle::seenAgain(const SE2& T_floor_foot, int first, int end) {
 }
 
 /// A run, and what it lacks in between: plain things look like floor there.
-void MovingObstacle::publish(int first, int end, std::vector<BeamChoice>& choices) const {
-  auto before = static_cast<std::size_t>(first);
-  for (auto i = before; i < static_cast<std::size_t>(end); ++i) {
-    if (!come_[i].any()) continue;
-    const BeamChoice &a = come_[before], &b = come_[i];
-    for (std::size_t k = before; k <= i; ++k) {
-      if (choices[k].any()) continue;
-      const float t =
-          i == before ? 0.0F : static_cast<float>(k - before) / static_cast<float>(i - before);
-      choices[k] = t < 0.5F ? a : b;
-      choices[k].candidate = a.candidate + t * (b.candidate - a.candidate);
+void MovingObstacle::publishRun(std::vector<BeamChoice>& choices) const {
+  auto before = static_cast<std::size_t>(run_.front());
+  for (const int beam : run_) {
+    const auto here = static_cast<std::size_t>(beam);
+    const BeamChoice &a = come_[before], &b = come_[here];
+    for (std::size_t k = before; k <= here; ++k) {
+      const float t = here == before
+                          ? 0.0F
+                          : static_cast<float>(k - before) / static_cast<float>(here - before);
+      BeamChoice between = t < 0.5F ? a : b;
+      between.candidate = a.candidate + t * (b.candidate - a.candidate);
+      if (inFrontOf(between, choices[k])) choices[k] = between;
     }
-    before = i;
+    before = here;
   }
 }
 

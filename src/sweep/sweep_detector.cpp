@@ -61,7 +61,8 @@ void SweepDetector::configure(const CameraPose& T_base_camera) {
   remembered_foot_.configure(sweep_, parameters_.free_floor, parameters_.foot);
   lone_contact_.configure(sweep_, parameters_.selection);
   plain_edge_.configure(sweep_, parameters_.free_floor, parameters_.foot);
-  moving_.configure(sweep_, max_range_, parameters_.evidence, parameters_.moving);
+  moving_.configure(sweep_, max_range_, parameters_.evidence, parameters_.selection,
+                    parameters_.moving);
 }
 
 /// Everything that depends on how much of the view can be worked with.
@@ -163,7 +164,7 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
     doubtLowContacts();
     remembered_foot_.complete(compared, T_floor_foot, frame.stamp, choices_);
     doubtLowContacts();  // of those as well
-    moving_.complete(compared, T_floor_foot, choices_);
+    moving_.complete(compared, T_floor_foot, frame.stamp, choices_);
     lap("known_feet");
     fillObstacles(view, obstacles);
     lap("answer");

@@ -233,7 +233,9 @@ class OverlayDrawing {
     const std::string contact = "obstacle meets floor";
     canvas_.text(contact, {40, y}, 11.0, pale);
     double x = key(40 + Canvas::textWidth(contact, 11.0) + 28, y, free_color, "free floor");
-    x = key(x, y, moving_color, "moves");
+    if (std::any_of(obstacles_.contacts.begin(), obstacles_.contacts.end(),
+                    [](const Contact& c) { return c.moving; }))
+      x = key(x, y, moving_color, "moves");
     x = key(x, y, blocked_color, "obstacle, its foot not in view");
     canvas_.dashedLine({{x, y - 5}, {x + 30, y - 5}}, white, 1.5, 6.0);
     canvas_.text("distance from the camera's foot", {x + 38, y}, 11.0, pale);

@@ -135,6 +135,21 @@ TEST_F(Memory, WhatMovesIsHeldNoLongerThanFreeFloor) {
   for (const Contact& contact : recalled.contacts) EXPECT_FALSE(contact.moving);
 }
 
+TEST_F(Memory, WhatMovesIsOnlyWhereItWasLast) {
+  FanWorld before{{{{1.6, 0.5}, 0.15}}}, now{{{{1.6, -0.3}, 0.15}}};
+  for (int k = 0; k < 2; ++k) {
+    const double stamp = start + 0.5 * k, x = 0.3 * k;
+    Obstacles seen = (k == 0 ? before : now).seenFrom({x, 0.0, 0.0}, stamp);
+    for (Contact& contact : seen.contacts) contact.moving = true;
+    for (Bearing& bearing : seen.bearings)  // nobody has seen floor where it was
+      if (bearing.angle > 0.1F) bearing.state = BearingState::Unknown;
+    ASSERT_TRUE(memory.follow(frame({x, 0.0, 0.0}, stamp), FrameStatus::Used, seen));
+  }
+  ASSERT_TRUE(recall({0.3, 0.0, 0.0}, start + 0.6));
+  ASSERT_FALSE(recalled.contacts.empty());
+  for (const Contact& contact : recalled.contacts) EXPECT_LT(contact.p_base.y(), 0.0F);
+}
+
 TEST_F(Memory, NothingHoldsFarFromWhereItWasSeen) {
   const MemoryParameters parameters;
   see({}, start);

@@ -114,6 +114,17 @@ TEST_F(Free, WhatMovesDoesNotStayBelowTheView) {
   EXPECT_EQ(at(middle).state, BearingState::Free);
 }
 
+TEST_F(Free, NothingStretchesToWhatMoves) {
+  contact(middle, 0.5);
+  contact(middle + 2, 0.5);
+  obstacles.contacts.back().moving = true;
+  limit();
+  newFrame(0.5);
+  limit({0.2, 0.0, 0.0});
+  EXPECT_EQ(at(middle).state, BearingState::Blocked);
+  EXPECT_EQ(at(middle + 3).state, BearingState::Free);
+}
+
 TEST_F(Free, ARobotThatTurnsKeepsItInItsDirection) {
   contact(middle, 0.5);
   limit();

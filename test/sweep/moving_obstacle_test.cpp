@@ -17,17 +17,17 @@ TEST(FloorHistory, KnowsEveryPlaceOfTheLastFrames) {
   FloorHistory history;
   history.configure(0.05, 6.4);
   const Eigen::Vector2d always(1.01, -0.52), once(-2.0, 3.03), never(0.4, 0.4);
-  for (int frame = 0; frame < 100; ++frame) {
+  for (int frame = 0; frame < 170; ++frame) {
     history.beginFrame(10.0 + 0.1 * frame, {0.02 * frame, 0.0});
     history.setFree(always);
-    if (frame == 70) history.setFree(once);
+    if (frame == 140) history.setFree(once);
   }
-  EXPECT_EQ(history.framesAgo(10.0 + 0.1 * 99), 0);
-  EXPECT_EQ(history.framesAgo(10.0 + 0.1 * 70), 29);
-  EXPECT_EQ(history.framesAgo(10.0 + 0.1 * 36), 63);
-  EXPECT_EQ(history.framesAgo(10.0 + 0.1 * 35), -1) << "forgotten";
+  EXPECT_EQ(history.framesAgo(10.0 + 0.1 * 169), 0);
+  EXPECT_EQ(history.framesAgo(10.0 + 0.1 * 140), 29);
+  EXPECT_EQ(history.framesAgo(10.0 + 0.1 * 42), 127);
+  EXPECT_EQ(history.framesAgo(10.0 + 0.1 * 41), -1) << "forgotten";
   EXPECT_EQ(history.framesAgo(0.0), -1) << "never seen";
-  EXPECT_DOUBLE_EQ(history.foot(29).x(), 1.4);
+  EXPECT_DOUBLE_EQ(history.foot(29).x(), 2.8);
   for (int ago = 0; ago < FloorHistory::most_frames; ++ago) {
     EXPECT_TRUE(history.wasFree(always, ago)) << ago;
     EXPECT_EQ(history.wasFree(once, ago), ago == 29) << ago;
@@ -83,7 +83,7 @@ class Come : public ::testing::Test {
     noise.configure(grid, rectification.ranges(), p.noise);
     sweep.configure(grid, rectification.ranges(), noise.sweepRows(), p.grid.max_support,
                     p.evidence);
-    moving.configure(sweep, 2.0, p.evidence, p.moving);
+    moving.configure(sweep, 2.0, p.evidence, p.selection, p.moving);
     for (std::size_t q = 0; q < 2; ++q) {
       cost[q].resize(grid.sweepRows(), sweep.beams(), 0);
       references[q].floor_cost = cost[q].view();
@@ -116,8 +116,11 @@ class Come : public ::testing::Test {
     std::vector<int> beams;
     for (int sight = 0; sight < 2; ++sight) {
       choices.assign(static_cast<std::size_t>(sweep.beams()), {});
-      for (const int beam : taken) choices[static_cast<std::size_t>(beam)].candidate = 30.0F;
-      moving.complete({CurrentView{}, references.data(), 2, sweep}, T_floor_foot, choices);
+      for (const int beam : taken)
+        choices[static_cast<std::size_t>(beam)].candidate = taken_at,
+        choices[static_cast<std::size_t>(beam)].doubtful = taken_doubtful;
+      moving.complete({CurrentView{}, references.data(), 2, sweep}, T_floor_foot,
+                      clock += between_sights, choices);
     }
     for (std::size_t beam = 0; beam < choices.size(); ++beam)
       if (choices[beam].moving) beams.push_back(static_cast<int>(beam));
@@ -136,6 +139,9 @@ class Come : public ::testing::Test {
   CameraPose T_base_camera;
   VerticalSweep sweep;
   MovingObstacle moving;
+  float taken_at = 30.0F;  // candidate
+  bool taken_doubtful = false;
+  double clock = 2.0, between_sights = 0.1;
   std::array<Image<std::uint16_t>, 2> cost;
   std::array<SweepReference, 2> references;
   std::vector<BeamChoice> choices;
@@ -200,9 +206,70 @@ TEST_F(Come, BeamsInBetweenThatLookLikeFloorAreFilled) {
   EXPECT_EQ(found({0.3, 0.0, 0.0}), from(10, 19));
   EXPECT_GT(choices[14].candidate, choices[10].candidate);
   EXPECT_LT(choices[14].candidate, choices[18].candidate);
-  EXPECT_EQ(found({0.3, 0.0, 0.0}, {13, 14}), (std::vector<int>{10, 11, 12, 15, 16, 17, 18}))
-      << "contacts that are there stay";
-  EXPECT_EQ(choices[13].candidate, 30.0F);
+}
+
+TEST_F(Come, InFrontOfWhatStandsBehindItWhenItIsWideEnough) {
+  sawFree(0.0, {0.0, 0.0, 0.0}, everywhere);
+  sawFree(1.0, {0.15, 0.0, 0.0}, everywhere);
+  for (const std::size_t q : {0U, 1U}) {
+    noFloor(q, 1, 4, candidateAt(1.2));  // three beams: 8 cm
+    noFloor(q, 12, 20, candidateAt(1.2));
+  }
+  const std::vector<int> wall = from(0, sweep.beams());  // at candidate 30
+  EXPECT_EQ(found({0.3, 0.0, 0.0}, wall), from(12, 20));
+  EXPECT_NEAR(choices[15].candidate, candidateAt(1.2), 1.01);
+  EXPECT_EQ(choices[2].candidate, 30.0F) << "not wide enough to hide a contact";
+  taken_at = static_cast<float>(candidateAt(1.2)) - 5.0F;
+  EXPECT_TRUE(found({0.3, 0.0, 0.0}, wall).empty()) << "that is the contact itself";
+  taken_at = static_cast<float>(candidateAt(0.8));
+  EXPECT_TRUE(found({0.3, 0.0, 0.0}, wall).empty()) << "nearer ones stay";
+}
+
+TEST_F(Come, ADoubtfulContactGivesWay) {
+  sawFree(0.0, {0.0, 0.0, 0.0}, everywhere);
+  sawFree(1.0, {0.15, 0.0, 0.0}, everywhere);
+  for (const std::size_t q : {0U, 1U}) noFloor(q, 12, 20, candidateAt(1.2));
+  taken_at = static_cast<float>(candidateAt(1.2));
+  taken_doubtful = true;
+  EXPECT_EQ(found({0.3, 0.0, 0.0}, from(12, 20)), from(12, 20));
+  EXPECT_FALSE(choices[15].doubtful);
+}
+
+TEST_F(Come, WhatLiesElsewhereBetweenTwoBeamsDoesNotBelongToThem) {
+  sawFree(0.0, {0.0, 0.0, 0.0}, everywhere);
+  sawFree(1.0, {0.15, 0.0, 0.0}, everywhere);
+  for (const std::size_t q : {0U, 1U}) {
+    for (const int beam : {12, 13, 18, 19}) noFloor(q, beam, beam + 1, candidateAt(0.9));
+    noFloor(q, 16, 17, candidateAt(1.5));
+  }
+  EXPECT_EQ(found({0.3, 0.0, 0.0}), from(12, 20));
+  for (int beam = 12; beam < 20; ++beam)
+    EXPECT_NEAR(choices[static_cast<std::size_t>(beam)].candidate, candidateAt(0.9), 1.01) << beam;
+}
+
+TEST_F(Come, ASightLongAgoIsNotTheFirstOfTwo) {
+  sawFree(0.0, {0.0, 0.0, 0.0}, everywhere);
+  sawFree(1.0, {0.15, 0.0, 0.0}, everywhere);
+  for (const std::size_t q : {0U, 1U}) noFloor(q, 12, 20, candidateAt(1.2));
+  between_sights = 0.6;
+  EXPECT_TRUE(found({0.3, 0.0, 0.0}).empty());
+  between_sights = 0.4;
+  EXPECT_EQ(found({0.3, 0.0, 0.0}), from(12, 20));
+}
+
+TEST_F(Come, WhicheverWayTheRobotLooks) {
+  for (const double heading : {M_PI_2, M_PI, -2.0}) {
+    const SE2 turned{0.7, -0.4, heading};
+    moving.reset();
+    sawFree(0.0, turned, everywhere);
+    sawFree(1.0, turned * SE2{0.15, 0.0, 0.0}, everywhere);
+    for (const std::size_t q : {0U, 1U}) noFloor(q, 12, 20, candidateAt(1.2));
+    EXPECT_EQ(found(turned * SE2{0.3, 0.0, 0.0}), from(12, 20)) << heading;
+    moving.reset();
+    sawFree(0.0, turned, [](int) { return 1.1; });
+    sawFree(1.0, turned * SE2{0.15, 0.0, 0.0}, [](int) { return 1.0; });
+    EXPECT_TRUE(found(turned * SE2{0.3, 0.0, 0.0}).empty()) << heading;
+  }
 }
 
 TEST_F(Come, AChangeThatIsTooSmallIsNone) {

@@ -260,9 +260,8 @@ struct MovingParameters {
     field("moving_cost", self.moving_cost, Unit{"sigma^2"}, Range{0.1, 9.0},
           "a row that costs the floor less says that it is floor");
     field("moving_height", self.moving_height, Unit{"camera heights"}, Range{0.0, 0.9},
-          "it has to be seen over so much of its height");
-    field("moving_width", self.moving_width, Unit{"m"}, Range{0.0, 10.0},
-          "and over so much of its width");
+          "it has to be at least so high, and least_height");
+    field("moving_width", self.moving_width, Unit{"m"}, Range{0.0, 10.0}, "and so wide");
   }
 };
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <bitset>
 #include <cstdint>
 #include <vector>
 
@@ -13,7 +14,7 @@ namespace ipm_mapping::sweep {
 /// the camera's foot was then.
 class FloorHistory {
  public:
-  static constexpr int most_frames = 64;
+  static constexpr int most_frames = 128;
 
   /// `cell` metres a side; places that lie `reach` metres apart are not taken for one another.
   void configure(double cell, double reach);
@@ -32,8 +33,8 @@ class FloorHistory {
 
  private:
   struct Cell {
-    std::int64_t newest = 0;  ///< frame in which it was free
-    std::uint64_t free = 0;   ///< a bit for that frame, the next one for the frame before, ...
+    std::int64_t newest = 0;        ///< frame in which it was free
+    std::bitset<most_frames> free;  ///< the first bit for that frame, the next for the one before
   };
   struct Seen {
     double stamp = 0.0;
