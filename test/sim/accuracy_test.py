@@ -117,6 +117,15 @@ class AccuracyTest(unittest.TestCase):
             self.assertIn("median cm", mounting.lost(true, wrong), sign)
             self.assertEqual(mounting.lost(true, applied), [], sign)
 
+    def test_somebody_who_crosses_is_found(self):
+        drive = Drive("moving_things", 60)
+        ignored = drive.figures("--set", "sweep/moving_score=0")["kinds"]["moving"]
+        found = drive.figures()
+        self.assertGreater(ignored["visible_bearings"], 300)
+        self.assertLess(ignored["recall_percent"], 8.0)
+        self.assertGreater(found["kinds"]["moving"]["recall_percent"], 20.0)
+        self.assertLess(found["false_percent"], 4.0)
+
     def test_default_stays_over_its_floors_on_a_mirror_floor_under_bare_lamps(self):
         figures = Drive("lab_hard", 50).figures()
         self.assertGreater(figures["visible_bearings"], 1000)

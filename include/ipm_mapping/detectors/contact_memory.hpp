@@ -38,7 +38,8 @@ class RememberedView {
 };
 
 /// Holds what was seen while the robot shows nothing new: the last contacts and free floor, moved
-/// into the present view, with growing age. The scene is taken to be static for that long.
+/// into the present view, with growing age. The scene is taken to be static for that long, but for
+/// what moves: that is only where the last frame saw it, and no longer than free floor.
 ///
 /// Of several frames that looked at a place the newest decides: a contact stays as long as no newer
 /// frame saw floor there, and floor is free along a bearing as far as all of it was seen free.

@@ -66,7 +66,8 @@ class OccupancyMap {
   explicit OccupancyMap(const MapParameters& parameters = {});
 
   /// Takes one frame's contacts and bearings. What is remembered from earlier frames (age > 0), be
-  /// it the whole answer or single contacts, is no new evidence and leaves the map alone.
+  /// it the whole answer or single contacts, is no new evidence and leaves the map alone; so does
+  /// the contact of something that moves.
   void update(const Obstacles& obstacles);
   /// Grows the map so that it holds the point (metres, odom); false beyond max_side.
   bool include(const Eigen::Vector2d& point);
