@@ -103,7 +103,6 @@ bool MovingObstacle::hasCome(const ComparedFrame& frame, const SE2& T_floor_foot
 
 /// Collects the beams from one on that see the same thing, but for a few that do not see it.
 void MovingObstacle::collectRun(int first) {
-  const auto foot = [&](int beam) { return footAt(beam); };
   run_.assign(1, first);
   for (int beam = first + 1; beam < static_cast<int>(come_.size()); ++beam) {
     const int last = run_.back();
@@ -111,7 +110,8 @@ void MovingObstacle::collectRun(int first) {
     if (!come_[static_cast<std::size_t>(beam)].any()) continue;
     const double apart = std::abs(double{come_[static_cast<std::size_t>(beam)].candidate} -
                                   double{come_[static_cast<std::size_t>(last)].candidate});
-    if (apart <= same_thing && (foot(beam) - foot(last)).norm() <= widest_gap) run_.push_back(beam);
+    if (apart <= same_thing && (footAt(beam) - footAt(last)).norm() <= widest_gap)
+      run_.push_back(beam);
   }
 }
 
@@ -125,8 +125,8 @@ double MovingObstacle::widthOfRun() const {
   return nearest * std::abs(grid_.azimuth_step) * (run_.back() - run_.front() + 1);
 }
 
-/// Floor that comes into view in front of what a beam has found may be hidden by something that
-/// moves: whatever ends well in front of a contact is asked as if that were not there.
+/// True where a beam has found nothing, nothing sure, or something well behind the foot: the sweep
+/// looks over low things at what stands behind them.
 bool MovingObstacle::inFrontOf(const BeamChoice& foot, const BeamChoice& choice) const {
   return !choice.any() || choice.doubtful || foot.candidate > choice.candidate + 2.0 * same_thing;
 }

@@ -212,17 +212,42 @@ TEST_F(Come, InFrontOfWhatStandsBehindItWhenItIsWideEnough) {
   sawFree(0.0, {0.0, 0.0, 0.0}, everywhere);
   sawFree(1.0, {0.15, 0.0, 0.0}, everywhere);
   for (const std::size_t q : {0U, 1U}) {
-    noFloor(q, 1, 4, candidateAt(1.2));  // three beams: 8 cm
-    noFloor(q, 12, 20, candidateAt(1.2));
+    noFloor(q, 24, 27, candidateAt(1.2));  // three beams: 8 cm
+    noFloor(q, 35, 43, candidateAt(1.2));
   }
+  std::vector<int> both = from(24, 27);
+  for (const int beam : from(35, 43)) both.push_back(beam);
+  EXPECT_EQ(found({0.3, 0.0, 0.0}), both) << "nothing behind them";
   const std::vector<int> wall = from(0, sweep.beams());  // at candidate 30
-  EXPECT_EQ(found({0.3, 0.0, 0.0}, wall), from(12, 20));
-  EXPECT_NEAR(choices[15].candidate, candidateAt(1.2), 1.01);
-  EXPECT_EQ(choices[2].candidate, 30.0F) << "not wide enough to hide a contact";
+  EXPECT_EQ(found({0.3, 0.0, 0.0}, wall), from(35, 43));
+  EXPECT_NEAR(choices[39].candidate, candidateAt(1.2), 1.01);
+  EXPECT_EQ(choices[25].candidate, 30.0F) << "not wide enough to hide a contact";
   taken_at = static_cast<float>(candidateAt(1.2)) - 5.0F;
   EXPECT_TRUE(found({0.3, 0.0, 0.0}, wall).empty()) << "that is the contact itself";
   taken_at = static_cast<float>(candidateAt(0.8));
   EXPECT_TRUE(found({0.3, 0.0, 0.0}, wall).empty()) << "nearer ones stay";
+}
+
+TEST_F(Come, WhatIsNearerInBetweenStays) {
+  sawFree(0.0, {0.0, 0.0, 0.0}, everywhere);
+  sawFree(1.0, {0.15, 0.0, 0.0}, everywhere);
+  for (const std::size_t q : {0U, 1U}) {
+    noFloor(q, 10, 12, candidateAt(1.2));
+    noFloor(q, 17, 19, candidateAt(1.2));
+  }
+  taken_at = static_cast<float>(candidateAt(0.8));
+  EXPECT_EQ(found({0.3, 0.0, 0.0}, {14}), (std::vector<int>{10, 11, 12, 13, 15, 16, 17, 18}));
+  EXPECT_EQ(choices[14].candidate, taken_at);
+}
+
+TEST_F(Come, WhatLiesBehindOneAnotherIsNotOneThing) {
+  sawFree(0.0, {0.0, 0.0, 0.0}, everywhere);
+  sawFree(1.0, {0.15, 0.0, 0.0}, everywhere);
+  for (const std::size_t q : {0U, 1U}) {
+    noFloor(q, 12, 14, candidateAt(0.7));
+    noFloor(q, 14, 16, candidateAt(0.85));
+  }
+  EXPECT_TRUE(found({0.3, 0.0, 0.0}).empty()) << "each is three centimetres wide";
 }
 
 TEST_F(Come, ADoubtfulContactGivesWay) {
