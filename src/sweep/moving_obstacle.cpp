@@ -36,7 +36,7 @@ void MovingObstacle::configure(const VerticalSweep& sweep, double max_range,
                                const MovingParameters& parameters) {
   parameters_ = parameters;
   grid_ = sweep.scoreGrid();
-  cost_ = static_cast<std::int32_t>(std::lround(parameters.moving_cost * kernels::cost_unit));
+  cost_ = static_cast<std::uint16_t>(std::lround(parameters.moving_cost * kernels::cost_unit));
   const double least_height =
       std::max(parameters.moving_height, selection.least_height / grid_.height);
   least_rows_ = static_cast<int>(std::lround(grid_.rowsUp(std::min(least_height, 0.9))));
@@ -45,6 +45,7 @@ void MovingObstacle::configure(const VerticalSweep& sweep, double max_range,
   for (int row = 0; row < static_cast<int>(sweep.sweepRow(sweep.candidates())); ++row)
     row_weight_.push_back(static_cast<float>(evidence.evidence_rows * grid_.slope(row - first_row) /
                                              grid_.candidates_per_log / kernels::cost_unit));
+  least_.resize(row_weight_.size() + 1);
   come_.resize(static_cast<std::size_t>(sweep.beams()));
   run_.reserve(come_.size());
   feet_.reserve(come_.size());
@@ -53,22 +54,34 @@ void MovingObstacle::configure(const VerticalSweep& sweep, double max_range,
   reset();
 }
 
+/// What every row of a beam costs the floor at least; what a reference does not see says nothing.
+void MovingObstacle::fillLeastCost(const ComparedFrame& frame, int beam, RowRange rows) {
+  std::fill(least_.begin() + rows.begin, least_.begin() + rows.end, kernels::no_cost);
+  for (int q = 0; q < frame.count; ++q) {
+    const std::uint16_t* cost = frame.references[q].floor_cost.row(beam);
+    for (int row = rows.begin; row < rows.end; ++row) {
+      const std::uint16_t seen = cost[row] == kernels::no_cost ? cost_ : cost[row];
+      least_[static_cast<std::size_t>(row)] = std::min(least_[static_cast<std::size_t>(row)], seen);
+    }
+  }
+}
+
 /// Cumulative sum outwards from the near end: the run begins where the sum was last zero.
-BeamChoice MovingObstacle::footOf(const ComparedFrame& frame, int beam) const {
-  const RowRange rows = frame.sweep.rows(beam);
+BeamChoice MovingObstacle::footOf(const ComparedFrame& frame, int beam) {
   const int first_row = static_cast<int>(frame.sweep.sweepRow(0.0));
+  const RowRange rows =
+      intersection(frame.sweep.rows(beam), {first_row, first_row + 1 + frame.sweep.candidates()});
   BeamChoice foot;
+  if (rows.size() <= 0) return foot;
+  fillLeastCost(frame, beam, rows);
   foot.moving = true;
   float sum = 0.0F;
   int begin = rows.end - 1;
-  for (int row = rows.end - 1; row >= std::max(rows.begin, first_row); --row) {
-    std::int32_t least = kernels::no_cost;
-    for (int q = 0; q < frame.count; ++q) {
-      const std::int32_t cost = frame.references[q].floor_cost.row(beam)[row];
-      least = std::min(least, cost == kernels::no_cost ? cost_ : cost);
-    }
+  for (int row = rows.end - 1; row >= rows.begin; --row) {
+    const std::int32_t least = least_[static_cast<std::size_t>(row)];
     if (sum <= 0.0F) {
       if (isFoot(foot, begin)) break;
+      if (least <= cost_) continue;  // floor, as most rows are
       sum = foot.score = 0.0F;
       begin = row;
     }

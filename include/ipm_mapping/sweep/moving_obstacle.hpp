@@ -44,7 +44,8 @@ class MovingObstacle {
   void remember(const SE2& T_floor_foot, const Obstacles& obstacles);
 
  private:
-  [[nodiscard]] BeamChoice footOf(const ComparedFrame& frame, int beam) const;
+  void fillLeastCost(const ComparedFrame& frame, int beam, RowRange rows);
+  [[nodiscard]] BeamChoice footOf(const ComparedFrame& frame, int beam);
   [[nodiscard]] bool isFoot(const BeamChoice& foot, int begin) const;
   [[nodiscard]] bool hasCome(const ComparedFrame& frame, const SE2& T_floor_foot,
                              const Eigen::Vector2d& p_foot) const;
@@ -58,11 +59,12 @@ class MovingObstacle {
 
   MovingParameters parameters_;
   ScoreGrid grid_;
-  std::int32_t cost_ = 0;  // of a row that might as well be floor
+  std::uint16_t cost_ = 0;  // of a row that might as well be floor
   int least_rows_ = 0;
-  std::vector<float> row_weight_;  // of every sweep row
-  std::vector<BeamChoice> come_;   // of every beam
-  std::vector<int> run_;           // beams of the run at hand
+  std::vector<float> row_weight_;     // of every sweep row
+  std::vector<std::uint16_t> least_;  // costs of the beam at hand
+  std::vector<BeamChoice> come_;      // of every beam
+  std::vector<int> run_;              // beams of the run at hand
   FloorHistory history_;
   std::vector<Eigen::Vector2d> feet_, feet_before_;  // on the floor: of this frame, the one before
   double feet_stamp_ = 0.0, longest_step_ = 0.0;
