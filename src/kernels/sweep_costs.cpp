@@ -55,39 +55,6 @@ void split(const std::uint8_t* HWY_RESTRICT line, std::int32_t gain, std::int32_
   }
 }
 
-void blockSums(const std::uint8_t* HWY_RESTRICT in, int blocks, std::int32_t* HWY_RESTRICT sums) {
-  for (int b = 0; b < blocks; ++b) {
-    std::int32_t sum = 0;
-    for (int k = 0; k < 8; ++k) sum += in[8 * b + k];
-    sums[b] += sum;
-  }
-}
-
-void addLine(const std::int16_t* HWY_RESTRICT line, std::int32_t sign, int count,
-             std::int32_t* HWY_RESTRICT column) {
-  for (int i = 0; i < count; ++i) column[i] += sign * line[i];
-}
-
-void prefixes(const std::int32_t* HWY_RESTRICT column, int count, std::int32_t* HWY_RESTRICT sums) {
-  sums[0] = 0;
-  int i = 0;
-  std::int32_t total = 0;
-#if HWY_TARGET != HWY_SCALAR
-  // four at a time: only the carry waits for what came before
-  const hn::FixedTag<std::int32_t, 4> d;
-  auto carry = hn::Zero(d);
-  for (; i + 4 <= count; i += 4) {
-    const auto here = hn::LoadU(d, column + i);
-    const auto pairs = hn::Add(here, hn::ShiftLeftLanes<1>(d, here));
-    const auto upTo = hn::Add(pairs, hn::ShiftLeftLanes<2>(d, pairs));
-    hn::StoreU(hn::Add(upTo, carry), d, sums + i + 1);
-    carry = hn::Add(carry, hn::Broadcast<3>(upTo));
-  }
-  total = hn::GetLane(carry);
-#endif
-  for (; i < count; ++i) sums[i + 1] = total += column[i];
-}
-
 /// Grey levels of a run of rows as floating point, in whole levels.
 template <class D>
 HWY_INLINE hn::Vec<D> greyLevel(D d, hn::Vec<hn::RebindToSigned<D>> fixed) {
@@ -298,9 +265,6 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace ipm_mapping::kernels {
 HWY_EXPORT(split);
-HWY_EXPORT(blockSums);
-HWY_EXPORT(addLine);
-HWY_EXPORT(prefixes);
 HWY_EXPORT(noise);
 HWY_EXPORT(evidenceRows);
 HWY_EXPORT(lower);
@@ -310,18 +274,6 @@ HWY_EXPORT(climb);
 void splitRows(const std::uint8_t* line, std::int32_t gain, std::int32_t offset, int count,
                std::int16_t* even, std::int16_t* odd) {
   HWY_DYNAMIC_DISPATCH(split)(line, gain, offset, count, even, odd);
-}
-
-void addBlockSums(const std::uint8_t* in, int blocks, std::int32_t* sums) {
-  HWY_DYNAMIC_DISPATCH(blockSums)(in, blocks, sums);
-}
-
-void addLineTo(const std::int16_t* line, int sign, int count, std::int32_t* column) {
-  HWY_DYNAMIC_DISPATCH(addLine)(line, sign, count, column);
-}
-
-void prefixSums(const std::int32_t* column, int count, std::int32_t* sums) {
-  HWY_DYNAMIC_DISPATCH(prefixes)(column, count, sums);
 }
 
 void noiseWeights(const NoiseNeighbours& grey, const float* along, const float* bend_along,

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "ipm_mapping/kernels/sweep_costs.hpp"
+#include "ipm_mapping/kernels/sweep_sums.hpp"
 
 namespace ipm_mapping::sweep {
 

@@ -45,7 +45,7 @@ void MovingObstacle::configure(const VerticalSweep& sweep, double max_range,
   for (int row = 0; row < static_cast<int>(sweep.sweepRow(sweep.candidates())); ++row)
     row_weight_.push_back(static_cast<float>(evidence.evidence_rows * grid_.slope(row - first_row) /
                                              grid_.candidates_per_log / kernels::cost_unit));
-  least_.resize(row_weight_.size() + 1);
+  least_.resize(row_weight_.size());
   come_.resize(static_cast<std::size_t>(sweep.beams()));
   run_.reserve(come_.size());
   feet_.reserve(come_.size());
@@ -70,7 +70,7 @@ void MovingObstacle::fillLeastCost(const ComparedFrame& frame, int beam, RowRang
 BeamChoice MovingObstacle::footOf(const ComparedFrame& frame, int beam) {
   const int first_row = static_cast<int>(frame.sweep.sweepRow(0.0));
   const RowRange rows =
-      intersection(frame.sweep.rows(beam), {first_row, first_row + 1 + frame.sweep.candidates()});
+      intersection(frame.sweep.rows(beam), {first_row, static_cast<int>(row_weight_.size())});
   BeamChoice foot;
   if (rows.size() <= 0) return foot;
   fillLeastCost(frame, beam, rows);

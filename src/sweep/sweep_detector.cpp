@@ -130,6 +130,12 @@ void SweepDetector::lap(const char* stage) {
   lap_start_ = t;
 }
 
+/// Pose of the camera's foot, which looks where the robot looks.
+SE2 SweepDetector::footAt(const SE2& T_floor_base) const {
+  return T_floor_base *
+         SE2{T_base_camera_.translation().x(), T_base_camera_.translation().y(), 0.0};
+}
+
 FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
   obstacles.clear();
   times_.clear();
@@ -157,9 +163,7 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
     if (first_look) findContacts(view);  // the motion was found on what may not have been floor
     const ComparedFrame compared{view, views_.data(), reference_count_, sweep_};
     straight_foot_.complete(compared, choices_);
-    const Eigen::Vector2d foot =
-        current_.T_floor_base * Eigen::Vector2d(T_base_camera_.translation().head<2>());
-    const SE2 T_floor_foot{foot.x(), foot.y(), current_.T_floor_base.theta};
+    const SE2 T_floor_foot = footAt(current_.T_floor_base);
     lone_contact_.mark(T_floor_foot, choices_);
     doubtLowContacts();
     remembered_foot_.complete(compared, T_floor_foot, frame.stamp, choices_);
@@ -173,11 +177,7 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
   T_floor_last_ = current_.T_floor_base;
   learnCalibration();
   kept_ = ring_.offer(current_);
-  if (kept_ && status == FrameStatus::Used) {
-    const Eigen::Vector2d foot =
-        T_floor_last_ * Eigen::Vector2d(T_base_camera_.translation().head<2>());
-    moving_.remember({foot.x(), foot.y(), T_floor_last_.theta}, obstacles);
-  }
+  if (kept_ && status == FrameStatus::Used) moving_.remember(footAt(T_floor_last_), obstacles);
   applyCalibration();
   applyReadout();
   applyTimeOffset();

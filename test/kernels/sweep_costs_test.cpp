@@ -1,6 +1,7 @@
 #include "ipm_mapping/kernels/sweep_costs.hpp"
 #include "ipm_mapping/kernels/floor_residual.hpp"
 #include "ipm_mapping/kernels/sweep_rectify.hpp"
+#include "ipm_mapping/kernels/sweep_sums.hpp"
 
 #include <gtest/gtest.h>
 

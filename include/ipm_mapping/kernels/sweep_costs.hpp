@@ -22,15 +22,6 @@ inline constexpr int overrun = 32;
 void splitRows(const std::uint8_t* line, std::int32_t gain, std::int32_t offset, int count,
                std::int16_t* even, std::int16_t* odd);
 
-/// sums[b] += in[8 b] + ... + in[8 b + 7] for 8 * blocks bytes.
-void addBlockSums(const std::uint8_t* in, int blocks, std::int32_t* sums);
-
-/// column[i] += sign * line[i].
-void addLineTo(const std::int16_t* line, int sign, int count, std::int32_t* column);
-
-/// sums[i] = the first i values of column together; count + 1 of them.
-void prefixSums(const std::int32_t* column, int count, std::int32_t* sums);
-
 /// What noiseWeights() needs beside the pixels.
 struct NoiseTerms {
   float dark = 0.0F;         ///< variance in the dark, grey levels^2

@@ -82,6 +82,7 @@ class SweepDetector : public Detector {
   void allocate();
   void configureView();
   void rectify(const Frame& frame);
+  [[nodiscard]] SE2 footAt(const SE2& T_floor_base) const;
   void learnCalibration();
   void applyReadout();
   void applyTimeOffset();
