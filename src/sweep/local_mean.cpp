@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "ipm_mapping/kernels/sweep_costs.hpp"
 #include "ipm_mapping/kernels/sweep_sums.hpp"
 
 namespace ipm_mapping::sweep {
