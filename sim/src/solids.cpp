@@ -224,10 +224,6 @@ Solid makeShelf(const ObstacleSpec& s) {
   return solid;
 }
 
-}  // namespace
-
-namespace {
-
 Solid makeStill(const ObstacleSpec& spec, std::uint64_t seed) {
   switch (spec.kind) {
     case ObstacleKind::Box:
