@@ -33,16 +33,17 @@ enum class Restart : std::uint8_t {
 /// What a detector did with a frame. Everything but Used is a reason to count.
 enum class FrameStatus : std::uint8_t {
   Used,               ///< the answer is valid
+  Watched,            ///< the robot stands: the answer is valid, and no new evidence
   NoCamera,           ///< no usable calibration yet
   CameraUnsupported,  ///< the FPGA model's registers cannot hold the camera
   SizeMismatch,       ///< the image is not of the calibrated size
   NoReference,        ///< no earlier frame far enough back: the history is still filling
-  NoMotion,           ///< the robot stands: no parallax, no new evidence
+  NoMotion,           ///< the robot stands: no parallax, no answer
   TooMuchRotation,    ///< turning on the spot
   FocusUnusable,      ///< the beam has no usable focus
   GeometryUnusable    ///< the homography cannot be represented
 };
-inline constexpr int frame_status_count = 9;
+inline constexpr int frame_status_count = 10;
 [[nodiscard]] const char* name(FrameStatus status);
 /// False for a valid answer, and where there is none because the robot's way shows nothing new.
 [[nodiscard]] bool isFault(FrameStatus status);
@@ -66,7 +67,8 @@ class Detector {
   virtual bool adopt(const Detector& /*before*/) { return false; }
   /// Forgets history and thresholds (clock or odometry jumped).
   virtual void reset() = 0;
-  /// Fills `obstacles` when the answer is Used; leaves it empty otherwise.
+  /// Fills `obstacles` when the answer is Used, or Watched, with an age above 0; leaves it empty
+  /// otherwise.
   virtual FrameStatus process(const Frame& frame, Obstacles& obstacles) = 0;
   /// Stage times of the last processed frame, in order.
   [[nodiscard]] virtual const std::vector<StageTime>& stageTimes() const = 0;

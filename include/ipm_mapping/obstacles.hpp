@@ -45,7 +45,7 @@ struct Obstacles {
   GroundView view;          ///< geometry it was made with
   Focus focus;              ///< where the beam starts
   double max_range = 0.0;   ///< metres from the base origin that were looked at
-  float age = 0.0F;  ///< seconds since it was seen (0: in this frame); more is no new evidence
+  float age = 0.0F;  ///< seconds since the last new evidence (0: this frame): more is for no map
   float separability = 0.0F;        ///< how clearly obstacle and floor differ, 0..1
   int threshold = -1;               ///< grey levels; -1: the detector has none
   std::vector<Bearing> bearings;    ///< from the left of the view to the right

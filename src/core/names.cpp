@@ -21,6 +21,8 @@ const char* name(FrameStatus status) {
   switch (status) {
     case FrameStatus::Used:
       return "used";
+    case FrameStatus::Watched:
+      return "watched";
     case FrameStatus::NoCamera:
       return "no_camera";
     case FrameStatus::CameraUnsupported:
@@ -44,6 +46,7 @@ const char* name(FrameStatus status) {
 bool isFault(FrameStatus status) {
   switch (status) {
     case FrameStatus::Used:
+    case FrameStatus::Watched:
     case FrameStatus::NoReference:
     case FrameStatus::NoMotion:
     case FrameStatus::TooMuchRotation:

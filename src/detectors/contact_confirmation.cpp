@@ -18,19 +18,25 @@ bool ContactConfirmation::confirmed(const Eigen::Vector2d& p_odom) const {
   return std::count_if(frames_.begin(), end, shows_it) >= parameters_.confirm_frames;
 }
 
-void ContactConfirmation::apply(Obstacles& obstacles) {
-  if (!parameters_.filter) return;
-  Points& seen = frames_[next_];
+void ContactConfirmation::remember() {
+  Points& frame = frames_[next_];
+  frame.reserve(present_.capacity());
+  frame.assign(present_.begin(), present_.end());
   next_ = (next_ + 1) % frames_.size();
   known_ = std::min(known_ + 1, frames_.size());
-  seen.clear();
-  seen.reserve(obstacles.bearings.size());
+}
+
+void ContactConfirmation::apply(Obstacles& obstacles) {
+  if (!parameters_.filter) return;
+  present_.clear();
+  present_.reserve(obstacles.bearings.size());
   for (const Contact& contact : obstacles.contacts)
-    seen.push_back(obstacles.view.T_odom_base * contact.p_base.cast<double>());
+    present_.push_back(obstacles.view.T_odom_base * contact.p_base.cast<double>());
+  if (!(obstacles.age > 0.0F)) remember();
   std::size_t kept = 0;
   for (std::size_t i = 0; i < obstacles.contacts.size(); ++i) {
     const Contact& contact = obstacles.contacts[i];
-    if (contact.moving || confirmed(seen[i]))
+    if (contact.moving || confirmed(present_[i]))
       obstacles.contacts[kept++] = contact;
     else
       obstacles.bearings[static_cast<std::size_t>(contact.bearing)].state = BearingState::Unknown;

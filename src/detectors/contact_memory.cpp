@@ -15,8 +15,8 @@ constexpr double own_turn = 0.2;     // radians: views turned less replace one a
 constexpr float least_age = 1e-6F;   // seconds: above 0 means remembered
 
 bool nothingNew(FrameStatus status) {
-  return status == FrameStatus::NoMotion || status == FrameStatus::NoReference ||
-         status == FrameStatus::TooMuchRotation;
+  return status == FrameStatus::Watched || status == FrameStatus::NoMotion ||
+         status == FrameStatus::NoReference || status == FrameStatus::TooMuchRotation;
 }
 
 double distanceBetween(const SE2& a, const SE2& b) { return std::hypot(a.x - b.x, a.y - b.y); }
@@ -50,6 +50,7 @@ void RememberedView::assign(const Obstacles& seen) {
   ground_ = seen.view;
   T_base_odom_ = seen.view.T_odom_base.inverse();
   max_range_ = seen.max_range;
+  age_ = seen.age;
   bearings_.assign(seen.bearings.begin(), seen.bearings.end());
   contacts_.reserve(bearings_.size());
   contacts_.assign(seen.contacts.begin(), seen.contacts.end());
@@ -89,10 +90,10 @@ void ContactMemory::clear() {
 }
 
 bool ContactMemory::follow(const Frame& frame, FrameStatus status, Obstacles& obstacles) {
-  if (status == FrameStatus::Used) {
+  if (status == FrameStatus::Used || status == FrameStatus::Watched) {
     confirmation_.apply(obstacles);
     if (parameters_.hold > 0.0) remember(obstacles);
-    return true;
+    if (status == FrameStatus::Used || !(parameters_.hold > 0.0)) return true;
   }
   return nothingNew(status) && recall(frame, obstacles);
 }
@@ -135,8 +136,7 @@ bool ContactMemory::recall(const Frame& frame, Obstacles& obstacles) const {
   obstacles.view = last.ground();
   obstacles.view.stamp = frame.stamp;
   obstacles.view.T_odom_base = frame.T_odom_base;
-  obstacles.age =
-      std::max(least_age, static_cast<float>(frame.stamp - view(newest).ground().stamp));
+  obstacles.age = std::max(least_age, view(newest).ageAt(frame.stamp));
   obstacles.contacts.reserve(last.bearings().size());
   for (const Bearing& bearing : last.bearings())
     obstacles.bearings.push_back(floorAlong(frame, bearing));

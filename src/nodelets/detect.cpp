@@ -104,7 +104,7 @@ class Detect : public StageNodelet {
     obstacles_.view.T_odom_base = placed.T_odom_base;
     if (memory_.follow(placed, status, obstacles_))
       obstacle_outputs_->publish(obstacles_, info.header.stamp, info.frames, detector_->id());
-    if (status == FrameStatus::Used) {
+    if (status == FrameStatus::Used || status == FrameStatus::Watched) {
       publishOverlay(overlay_, frame.image, obstacles_, info.header);
       publishPictures(info.header);
     }

@@ -82,6 +82,8 @@ std::string explain(FrameStatus status) {
   switch (status) {
     case FrameStatus::Used:
       return "used";
+    case FrameStatus::Watched:
+      return "the robot stands and looks on";
     case FrameStatus::NoCamera:
       return "the camera's calibration is not known";
     case FrameStatus::CameraUnsupported:

@@ -180,8 +180,10 @@ void OfflineRun::process(const FrameGate<std::pair<std::uint64_t, GrayPicture>>:
     report_.addStage("map", secondsSince(before_map));
     report_.contacts += obstacles_.contacts.size();
   }
-  report_.processing_seconds += secondsSince(start);
+  if (status != FrameStatus::Watched) report_.processing_seconds += secondsSince(start);
   if (status == FrameStatus::Used && observers.used) observers.used(obstacles_, picture.view);
+  if (status == FrameStatus::Watched && observers.watched)
+    observers.watched(obstacles_, picture.view);
   if (observers.frame && !observers.frame(index, status, picture.view)) ended_ = true;
 }
 

@@ -40,6 +40,13 @@ void StageMonitor::used(const ros::Time& stamp) {
   period_.latency = std::max(0.0, (ros::Time::now() - stamp).toSec());
 }
 
+void StageMonitor::watched(const ros::Time& stamp, const std::string& sentence) {
+  ++counters_["watched"];
+  ++period_.skipped;
+  period_.last_skip = sentence;
+  period_.latency = std::max(0.0, (ros::Time::now() - stamp).toSec());
+}
+
 void StageMonitor::skipped(const std::string& reason) {
   ++counters_["skipped_" + reason];
   ++period_.skipped;
@@ -66,6 +73,7 @@ void StageMonitor::lost(std::uint64_t messages) {
 void StageMonitor::answered(FrameStatus status, const ros::Time& stamp,
                             const std::string& sentence) {
   if (status == FrameStatus::Used) return used(stamp);
+  if (status == FrameStatus::Watched) return watched(stamp, sentence);
   if (!isFault(status)) return skipped(ipm_mapping::name(status));
   dropped(ipm_mapping::name(status), sentence);
 }
@@ -129,7 +137,7 @@ void StageMonitor::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   listFaults(status);
   status.addf("input_rate_hz", "%.2f", static_cast<double>(period_.received) / seconds);
   status.addf("used_rate_hz", "%.2f", static_cast<double>(period_.used) / seconds);
-  if (period_.used > 0) status.addf("latency_s", "%.4f", period_.latency);
+  if (period_.latency) status.addf("latency_s", "%.4f", *period_.latency);
   for (const auto& [name, value] : values_) status.addf(name, "%g", value);
   for (const auto& [name, value] : counters_) status.add(name, value);
   period_ = {};

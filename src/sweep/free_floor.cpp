@@ -11,6 +11,7 @@ constexpr std::size_t most_remembered = 512;
 constexpr int beside = 2;            // beams between contacts of one thing
 constexpr double seen_again = 1.05;  // of the near end of the view
 constexpr double flicker = 1.0;      // seconds for which a contact in view may go unseen
+constexpr double same_place = 0.01;  // metres between two sights of a contact
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
@@ -109,11 +110,11 @@ void FreeFloor::betweenContacts(Obstacles& obstacles) const {
 }
 
 /// What is remembered in front of the view's near end hides the floor behind it.
-void FreeFloor::belowTheView(const SE2& T_floor_base, Obstacles& obstacles) {
+void FreeFloor::belowTheView(const SE2& T_floor_base, double seconds, Obstacles& obstacles) {
   const SE2 T_base_floor = T_floor_base.inverse();
   const Eigen::Vector2d foot = obstacles.view.cameraFoot();
   const auto gone = [&](const Remembered& point) {
-    const double age = obstacles.view.stamp - point.stamp;
+    const double age = seconds - point.seconds;
     if (age > parameters_.near_memory) return true;
     const Eigen::Vector2d p = T_base_floor * point.p_floor - foot;
     const Eigen::Vector2d q = T_base_floor * point.next_floor - foot;
@@ -130,7 +131,18 @@ void FreeFloor::belowTheView(const SE2& T_floor_base, Obstacles& obstacles) {
                     remembered_.end());
 }
 
-void FreeFloor::remember(const SE2& T_floor_base, const Obstacles& obstacles) {
+/// The place's own, or room for it: that of the oldest where there is no more.
+FreeFloor::Remembered& FreeFloor::slotFor(const Eigen::Vector2d& p_floor) {
+  const auto known = std::find_if(remembered_.begin(), remembered_.end(), [&](const auto& point) {
+    return (point.p_floor - p_floor).squaredNorm() < same_place * same_place;
+  });
+  if (known != remembered_.end()) return *known;
+  if (remembered_.size() < most_remembered) return remembered_.emplace_back();
+  return *std::min_element(remembered_.begin(), remembered_.end(),
+                           [](const auto& a, const auto& b) { return a.seconds < b.seconds; });
+}
+
+void FreeFloor::remember(const SE2& T_floor_base, double seconds, const Obstacles& obstacles) {
   const std::vector<Contact>& contacts = obstacles.contacts;
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const Contact& contact = contacts[k];
@@ -139,11 +151,10 @@ void FreeFloor::remember(const SE2& T_floor_base, const Obstacles& obstacles) {
     const Contact& next = contacts[std::min(k + 1, contacts.size() - 1)];
     const bool goes_on = !next.moving && next.bearing <= contact.bearing + beside &&
                          (next.p_base - contact.p_base).norm() < parameters_.free_gap;
-    if (remembered_.size() == most_remembered) remembered_.erase(remembered_.begin());
-    remembered_.push_back(
-        {T_floor_base * Eigen::Vector2d(contact.p_base.cast<double>()),
-         T_floor_base * Eigen::Vector2d((goes_on ? next : contact).p_base.cast<double>()),
-         obstacles.view.stamp});
+    const Eigen::Vector2d p_floor = T_floor_base * Eigen::Vector2d(contact.p_base.cast<double>());
+    slotFor(p_floor) = {
+        p_floor, T_floor_base * Eigen::Vector2d((goes_on ? next : contact).p_base.cast<double>()),
+        seconds};
   }
 }
 
@@ -153,10 +164,10 @@ void FreeFloor::limit(Obstacles& obstacles) const {
   betweenContacts(obstacles);
 }
 
-void FreeFloor::limitBelowTheView(const SE2& T_floor_base, Obstacles& obstacles) {
+void FreeFloor::limitBelowTheView(const SE2& T_floor_base, double seconds, Obstacles& obstacles) {
   if (parameters_.near_memory <= 0.0) return;
-  belowTheView(T_floor_base, obstacles);
-  remember(T_floor_base, obstacles);
+  belowTheView(T_floor_base, seconds, obstacles);
+  remember(T_floor_base, seconds, obstacles);
 }
 
 }  // namespace ipm_mapping::sweep

@@ -53,7 +53,8 @@ void LoneContact::remember(const SE2& T_floor_foot, const std::vector<BeamChoice
                       grid_.point(static_cast<double>(beam), double{choices[beam].candidate}));
 }
 
-void LoneContact::mark(const SE2& T_floor_foot, std::vector<BeamChoice>& choices) {
+void LoneContact::mark(const SE2& T_floor_foot, bool new_evidence,
+                       std::vector<BeamChoice>& choices) {
   if (lone_frames_ <= 1) return;
   const SE2 T_foot_floor = T_floor_foot.inverse();
   const auto end = frames_.begin() + static_cast<std::ptrdiff_t>(known_);
@@ -63,9 +64,9 @@ void LoneContact::mark(const SE2& T_floor_foot, std::vector<BeamChoice>& choices
     const auto seen = std::count_if(frames_.begin(), end, [&](const Points& frame) {
       return saw(frame, T_foot_floor, beam, choice);
     });
-    choice.doubtful = seen + 1 < lone_frames_;
+    choice.doubtful = seen + (new_evidence ? 1 : 0) < lone_frames_;
   }
-  remember(T_floor_foot, choices);
+  if (new_evidence) remember(T_floor_foot, choices);
 }
 
 }  // namespace ipm_mapping::sweep

@@ -12,6 +12,9 @@ constexpr double reach = 3.2;            // ranges until it wraps around: the vi
 constexpr double behind_foot = 0.6;      // cells, to be surely on what has come
 constexpr double behind_mirrored = 1.2;  // a mirror image does not quite go along
 constexpr double step = 0.9;             // cells between places along a bearing
+constexpr double before_end = 2.0;       // cells: free floor ends where something may stand,
+constexpr double before_limit = 1.0;     // less so where it is the end of what is looked at,
+constexpr double at_limit = 0.5;         // so near to it
 constexpr double fastest = 3.0;          // metres a second
 constexpr double longest_pause = 0.5;    // seconds between two sights
 constexpr double widest_gap = 0.25;      // metres between neighbours
@@ -213,10 +216,13 @@ void MovingObstacle::remember(const SE2& T_floor_foot, const Obstacles& obstacle
   if (parameters_.moving_score <= 0.0) return;
   history_.beginFrame(obstacles.view.stamp, T_floor_foot.translation());
   for (const Bearing& bearing : obstacles.bearings) {
-    const bool occupied = bearing.state == BearingState::Occupied;
-    if (!occupied && bearing.state != BearingState::Free) continue;
+    if (bearing.state != BearingState::Occupied && bearing.state != BearingState::Free) continue;
     const Eigen::Vector2d ray(std::cos(bearing.angle), std::sin(bearing.angle));
-    const double end = double{bearing.range} - (occupied ? 2.0 * history_.cell() : 0.0);
+    const Eigen::Vector2d p_end = obstacles.view.cameraFoot() + double{bearing.range} * ray;
+    const bool seen_all = bearing.state == BearingState::Free &&
+                          p_end.norm() > obstacles.max_range - at_limit * history_.cell();
+    const double end =
+        double{bearing.range} - (seen_all ? before_limit : before_end) * history_.cell();
     for (double d = bearing.near; d < end; d += step * history_.cell())
       history_.setFree(T_floor_foot * Eigen::Vector2d(d * ray));
   }

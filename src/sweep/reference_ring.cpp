@@ -41,25 +41,25 @@ bool ReferenceRing::offer(RectifiedFrame& frame) {
   return true;
 }
 
-const RectifiedFrame* ReferenceRing::firstBeyond(const SE2& pose, double stamp,
+const RectifiedFrame* ReferenceRing::firstBeyond(const RectifiedFrame& current,
                                                  double baseline) const {
   for (int back = 0; back < used_; ++back) {
     const RectifiedFrame& frame = newest(back);
-    if (stamp - frame.stamp > parameters_.max_age) return nullptr;
-    if (distanceBetween(pose, frame.T_odom_base) >= baseline) return &frame;
+    if (frame.age(current) > parameters_.max_age) return nullptr;
+    if (distanceBetween(current.T_odom_base, frame.T_odom_base) >= baseline) return &frame;
   }
   return nullptr;
 }
 
-const RectifiedFrame* ReferenceRing::find(const SE2& T_odom_base, double stamp,
-                                          double baseline) const {
-  const RectifiedFrame* frame = firstBeyond(T_odom_base, stamp, baseline);
+const RectifiedFrame* ReferenceRing::find(const RectifiedFrame& current, double baseline) const {
+  const RectifiedFrame* frame = firstBeyond(current, baseline);
   if (frame == nullptr) return nullptr;
-  return turnBetween(T_odom_base, frame->T_odom_base) < parameters_.max_rotation ? frame : nullptr;
+  const double turn = turnBetween(current.T_odom_base, frame->T_odom_base);
+  return turn < parameters_.max_rotation ? frame : nullptr;
 }
 
-bool ReferenceRing::farEnough(const SE2& T_odom_base, double stamp, double baseline) const {
-  return firstBeyond(T_odom_base, stamp, baseline) != nullptr;
+bool ReferenceRing::farEnough(const RectifiedFrame& current, double baseline) const {
+  return firstBeyond(current, baseline) != nullptr;
 }
 
 }  // namespace ipm_mapping::sweep

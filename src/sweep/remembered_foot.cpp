@@ -7,7 +7,8 @@ namespace ipm_mapping::sweep {
 namespace {
 
 constexpr std::size_t most_known = 2048;
-constexpr double same_place = 5.0;  // candidates
+constexpr double most_frames = 33.0;  // within foot_memory: fast cameras see the same again
+constexpr double same_place = 5.0;    // candidates
 
 }  // namespace
 
@@ -21,8 +22,8 @@ void RememberedFoot::configure(const VerticalSweep& sweep, const FreeFloorParame
   newest_.resize(static_cast<std::size_t>(sweep.beams()));
 }
 
-void RememberedFoot::forget(double stamp) {
-  const auto old = [&](const Known& k) { return stamp - k.stamp > parameters_.foot_memory; };
+void RememberedFoot::forget(double seconds) {
+  const auto old = [&](const Known& k) { return seconds - k.seconds > parameters_.foot_memory; };
   known_.erase(std::remove_if(known_.begin(), known_.end(), old), known_.end());
 }
 
@@ -45,8 +46,10 @@ bool RememberedFoot::knownAt(int beam, const BeamChoice& choice) const {
          std::abs(grid_.candidate(place.distance) - choice.candidate) < same_place;
 }
 
-void RememberedFoot::remember(const ComparedFrame& frame, const SE2& T_floor_foot, double stamp,
+void RememberedFoot::remember(const ComparedFrame& frame, const SE2& T_floor_foot, double seconds,
                               const std::vector<BeamChoice>& choices) {
+  const double since = known_.empty() ? parameters_.foot_memory : seconds - known_.back().seconds;
+  if (since < parameters_.foot_memory / most_frames) return;
   for (std::size_t beam = 0; beam < choices.size(); ++beam) {
     const BeamChoice& choice = choices[beam];
     if (!choice.any()) continue;
@@ -56,18 +59,18 @@ void RememberedFoot::remember(const ComparedFrame& frame, const SE2& T_floor_foo
     if (known_.size() == most_known) known_.erase(known_.begin(), known_.begin() + most_known / 8);
     const int support = static_cast<int>(frame.sweep.sweepRow(choice.candidate)) - choice.top;
     known_.push_back({T_floor_foot * grid_.point(b, double{choice.candidate}),
-                      stamp,
+                      seconds,
                       !choice.doubtful && (!choice.by_edge || knownAt(b, choice)),
                       {contrast, choice.score, support}});
   }
 }
 
-void RememberedFoot::complete(const ComparedFrame& frame, const SE2& T_floor_foot, double stamp,
-                              std::vector<BeamChoice>& choices) {
+void RememberedFoot::complete(const ComparedFrame& frame, const SE2& T_floor_foot, double seconds,
+                              bool new_evidence, std::vector<BeamChoice>& choices) {
   if (parameters_.foot_memory <= 0.0 || choices.size() != newest_.size()) return;
-  forget(stamp);
+  forget(seconds);
   assign(T_floor_foot.inverse());
-  remember(frame, T_floor_foot, stamp, choices);
+  if (new_evidence) remember(frame, T_floor_foot, seconds, choices);
   for (std::size_t beam = 0; beam < choices.size(); ++beam) {
     const Place& place = newest_[beam];
     if (choices[beam].any() || !place.sure) continue;

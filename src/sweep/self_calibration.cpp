@@ -110,7 +110,7 @@ CalibrationInformation SelfCalibration::known() const {
 bool SelfCalibration::offer(const RectifiedFrame& current, const ReferenceRing& ring) {
   if (!due(current)) return false;
   if (current.sheared) return false;
-  reference_ = ring.find(current.T_odom_base, current.stamp, baseline());
+  reference_ = ring.find(current, baseline());
   if (reference_ == nullptr || reference_->sheared) return false;
   seen_any_ = true;
   last_pair_ = current.T_odom_base;

@@ -12,6 +12,7 @@ namespace ipm_mapping::sweep {
 void SweepDetector::fillView(const Frame& frame, Obstacles& obstacles) const {
   obstacles.frame = frame.index;
   obstacles.max_range = max_range_;
+  obstacles.age = static_cast<float>(std::max(0.0, current_.stamp - stopped_));
   GroundView& view = obstacles.view;
   view.stamp = frame.stamp;
   view.reference_stamp = references_[0]->stamp;
@@ -165,7 +166,7 @@ void SweepDetector::fillObstacles(const CurrentView& current, Obstacles& obstacl
       bearing.range = std::min(bearing.range, static_cast<float>(doubtfulDistance(beam)));
   }
   withdrawDoubtful(obstacles);
-  free_floor_.limitBelowTheView(current_.T_floor_base, obstacles);
+  free_floor_.limitBelowTheView(current_.T_floor_base, current_.stamp - stood_, obstacles);
 }
 
 /// They have kept the floor beside them from being called free; more they do not say yet.

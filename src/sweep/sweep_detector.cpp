@@ -111,6 +111,7 @@ void SweepDetector::reset() {
   lone_contact_.reset();
   moving_.reset();
   seen_any_ = false;
+  stood_ = 0.0;
 }
 
 void SweepDetector::rectify(const Frame& frame) {
@@ -149,11 +150,14 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
   current_.T_odom_base = frame.T_odom_base;
   current_.stamp = frame.stamp;
   current_.time_offset = frame.time_offset;
+  const bool moved = hasMoved();
   current_.T_floor_base = T_floor_last_ * odometryBetween(last_, current_);
   if (current_.time_offset != last_.time_offset) chainAnew();
   lap("rectification");
-  const FrameStatus status = findReferences(frame);
-  if (status == FrameStatus::Used) {
+  const FrameStatus status = findReferences(moved);
+  const bool used = status == FrameStatus::Used;
+  const bool answered = used || status == FrameStatus::Watched;
+  if (answered) {
     fillView(frame, obstacles);
     splitCurrent();
     const CurrentView view{current_grey_.view(), weight_.view(), &noise_.sweepRows(),
@@ -164,9 +168,9 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
     const ComparedFrame compared{view, views_.data(), reference_count_, sweep_};
     straight_foot_.complete(compared, choices_);
     const SE2 T_floor_foot = footAt(current_.T_floor_base);
-    lone_contact_.mark(T_floor_foot, choices_);
+    lone_contact_.mark(T_floor_foot, used, choices_);
     doubtLowContacts();
-    remembered_foot_.complete(compared, T_floor_foot, frame.stamp, choices_);
+    remembered_foot_.complete(compared, T_floor_foot, frame.stamp - stood_, used, choices_);
     doubtLowContacts();  // of those as well
     moving_.complete(compared, T_floor_foot, frame.stamp, choices_);
     lap("known_feet");
@@ -177,7 +181,7 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
   T_floor_last_ = current_.T_floor_base;
   learnCalibration();
   kept_ = ring_.offer(current_);
-  if (kept_ && status == FrameStatus::Used) moving_.remember(footAt(T_floor_last_), obstacles);
+  if (kept_ && answered) moving_.remember(footAt(T_floor_last_), obstacles);
   applyCalibration();
   applyReadout();
   applyTimeOffset();
@@ -200,18 +204,33 @@ void SweepDetector::findContacts(const CurrentView& view) {
   lap("bearing_selection");
 }
 
+/// Whether the current frame may show something new. While the robot stands its references grow no
+/// older, for as long as it is to look on.
+bool SweepDetector::hasMoved() {
+  const SE2& pose = current_.T_odom_base;
+  const SweepReferenceParameters& p = parameters_.reference;
+  const bool moved =
+      !seen_any_ || std::hypot(pose.x - last_new_.x, pose.y - last_new_.y) >= p.min_motion;
+  if (moved) {
+    last_new_ = pose;
+    stopped_ = current_.stamp;
+    stood_before_ = stood_;
+  } else {
+    stood_ = stood_before_ + std::min(current_.stamp - stopped_, p.watch);
+  }
+  seen_any_ = true;
+  current_.stood = stood_;
+  return moved;
+}
+
 /// One or two earlier frames far enough back; says why there is none.
-FrameStatus SweepDetector::findReferences(const Frame& frame) {
-  const SE2& pose = frame.T_odom_base;
+FrameStatus SweepDetector::findReferences(bool moved) {
   const SweepReferenceParameters& p = parameters_.reference;
   reference_count_ = 0;
-  if (seen_any_ && std::hypot(pose.x - last_used_.x, pose.y - last_used_.y) < p.min_motion)
-    return FrameStatus::NoMotion;
-  seen_any_ = true;
-  last_used_ = pose;
+  if (!moved && !(current_.stamp - stopped_ <= p.watch)) return FrameStatus::NoMotion;
   const double height = grid_.height, longer = p.long_baseline * height;
   const auto take = [&](double baseline) {
-    const RectifiedFrame* found = ring_.find(pose, frame.stamp, baseline);
+    const RectifiedFrame* found = ring_.find(current_, baseline);
     if (found == nullptr || (reference_count_ > 0 && found == references_[0])) return false;
     references_[static_cast<std::size_t>(reference_count_++)] = found;
     return true;
@@ -219,10 +238,10 @@ FrameStatus SweepDetector::findReferences(const Frame& frame) {
   take(p.short_baseline * height);
   // what the history does not reach back to is better than nothing
   if (p.long_baseline > 0.0 && !take(std::max(longer, p.least_long_baseline))) take(longer);
-  if (reference_count_ > 0) return FrameStatus::Used;
-  return ring_.farEnough(pose, frame.stamp, p.short_baseline * grid_.height)
-             ? FrameStatus::TooMuchRotation
-             : FrameStatus::NoReference;
+  if (reference_count_ > 0) return moved ? FrameStatus::Used : FrameStatus::Watched;
+  if (!moved) return FrameStatus::NoMotion;
+  return ring_.farEnough(current_, p.short_baseline * grid_.height) ? FrameStatus::TooMuchRotation
+                                                                    : FrameStatus::NoReference;
 }
 
 /// What the next frame may take for floor: everything in front of this frame's contacts.

@@ -34,7 +34,7 @@ struct Arguments : BagArguments {
   std::string truth;
   std::string simd;
   int overlays = 0;
-  bool fpga = false, temporal_filter = false;
+  bool fpga = false, temporal_filter = false, standing = false;
 
   void declareAll(CLI::App& app) {
     app.add_option("bag", options.bag, "recording with images and odometry")->required();
@@ -43,6 +43,8 @@ struct Arguments : BagArguments {
     app.add_flag("--fpga", fpga, "let the bit-true FPGA model find the obstacles");
     app.add_flag("--temporal-filter", temporal_filter,
                  "only contacts seen in several of the last used frames (memory/filter)");
+    app.add_flag("--standing", standing,
+                 "tables and overlays also of frames in which the robot stands and looks on");
     app.add_option("--truth", truth, "truth.json of a rendered scene, drawn into map.png");
     app.add_option("--overlays", overlays, "draw every N-th used frame into overlays/NNNNNN.png")
         ->check(positiveNumber());
@@ -245,6 +247,11 @@ void runOn(Arguments& a) {
     overlay.offer(obstacles, raw);
     series.offer(obstacles, raw);
   };
+  if (a.standing)
+    observers.watched = [&](const Obstacles& obstacles, GrayView raw) {
+      files.add(obstacles);
+      series.offer(obstacles, raw);
+    };
   observers.progress = showProgress;
   run.run(observers);
   requireImages(run.report());

@@ -62,6 +62,21 @@ TEST(ContactConfirmation, WhatMovesIsNotSeenTwiceInOnePlace) {
   EXPECT_EQ(obstacles.bearings[1].state, BearingState::Occupied);
 }
 
+/// A robot that stands sees the same again.
+TEST(ContactConfirmation, WhatIsNoNewEvidenceConfirmsNothing) {
+  ContactConfirmation confirmation{filtering()};
+  const auto look = [&](float age) {
+    Obstacles obstacles = answer({}, {{1.0, 0.3}});
+    obstacles.age = age;
+    confirmation.apply(obstacles);
+    return obstacles.contacts.size();
+  };
+  EXPECT_EQ(look(0.0F), 0U);
+  for (int k = 1; k <= 5; ++k) EXPECT_EQ(look(0.1F * static_cast<float>(k)), 0U);
+  EXPECT_EQ(look(0.0F), 1U);
+  for (int k = 1; k <= 5; ++k) EXPECT_EQ(look(0.1F * static_cast<float>(k)), 1U);
+}
+
 TEST(ContactConfirmation, SightsOfOneFrameDoNotConfirmOneAnother) {
   ContactConfirmation confirmation{filtering()};
   Obstacles obstacles = answer({}, {{1.0, 0.0}, {1.0, 0.01}, {1.0, 0.02}});

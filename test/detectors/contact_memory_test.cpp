@@ -18,6 +18,17 @@ class Memory : public ::testing::Test {
     ASSERT_TRUE(memory.follow(frame(pose, stamp), FrameStatus::Used, seen));
     views.push_back(seen);
   }
+  /// The robot has stood since `start`, and looks on.
+  template <class Change>
+  void lookOn(const SE2& pose, double stamp, const Change& change) {
+    recalled = world.seenFrom(pose, stamp);
+    recalled.age = static_cast<float>(stamp - start);
+    change(recalled);
+    ASSERT_TRUE(memory.follow(frame(pose, stamp), FrameStatus::Watched, recalled));
+  }
+  void lookOn(const SE2& pose, double stamp) {
+    lookOn(pose, stamp, [](Obstacles&) {});
+  }
   bool recall(const SE2& pose, double stamp, FrameStatus status = FrameStatus::NoMotion) {
     return memory.follow(frame(pose, stamp), status, recalled);
   }
@@ -86,6 +97,61 @@ TEST_F(Memory, StandingHoldsTheAnswerAsItWas) {
     EXPECT_NEAR(recalled.contacts[i].u, pixel->x(), 0.01);
     EXPECT_NEAR(recalled.contacts[i].v, pixel->y(), 0.01);
   }
+}
+
+TEST_F(Memory, OfARobotThatLooksOnTheNewestIsWhatItSees) {
+  const FanWorld before = world;
+  see({}, start);
+  world.discs.erase(world.discs.begin());  // one leaves, and somebody comes
+  world.discs.push_back({{1.2, 0.6}, 0.1});
+  lookOn({}, start + 1.0);
+  EXPECT_FLOAT_EQ(recalled.age, 1.0F) << "since there was new evidence";
+  const Obstacles now = world.seenFrom({}, start + 1.0);
+  ASSERT_EQ(recalled.contacts.size(), now.contacts.size());
+  for (std::size_t i = 0; i < now.contacts.size(); ++i) {
+    EXPECT_TRUE(recalled.contacts[i].p_base.isApprox(now.contacts[i].p_base, 1e-5F));
+    EXPECT_GT(recalled.contacts[i].age, 0.0F);
+    EXPECT_LT(recalled.contacts[i].age, 0.01F) << "seen just now";
+  }
+  for (std::size_t i = 0; i < now.bearings.size(); ++i) {
+    EXPECT_EQ(recalled.bearings[i].state, now.bearings[i].state) << i;
+    EXPECT_NEAR(recalled.bearings[i].range, now.bearings[i].range, 1e-3) << i;
+  }
+  // who looks on no more goes on from there
+  ASSERT_TRUE(recall({}, start + 3.0));
+  EXPECT_FLOAT_EQ(recalled.age, 3.0F);
+  ASSERT_EQ(recalled.contacts.size(), now.contacts.size());
+  EXPECT_FLOAT_EQ(recalled.contacts.front().age, 2.0F);
+  world = before;
+}
+
+TEST_F(Memory, WhatALookerOnMissesIsHeldUntilFloorIsSeenThere) {
+  see({}, start);
+  const std::size_t all = views.back().contacts.size();
+  const auto blind = [](Obstacles& seen) {
+    seen.contacts.clear();
+    for (Bearing& bearing : seen.bearings)
+      if (bearing.state == BearingState::Occupied) bearing.state = BearingState::Unknown;
+  };
+  // two views, so that looking on does not take the place of the only one
+  see({0.01, 0.0, 0.0}, start + 0.1);
+  lookOn({0.01, 0.0, 0.0}, start + 1.0, blind);
+  EXPECT_GE(recalled.contacts.size(), all - 2);
+  for (const Contact& contact : recalled.contacts) EXPECT_GT(contact.age, 0.9F);
+  world.discs.clear();
+  lookOn({0.01, 0.0, 0.0}, start + 1.1);
+  EXPECT_TRUE(recalled.contacts.empty());
+}
+
+TEST_F(Memory, WithoutItALookerOnTellsWhatItSees) {
+  MemoryParameters none;
+  none.hold = 0.0;
+  memory = ContactMemory(none);
+  see({}, start);
+  lookOn({}, start + 1.0);
+  EXPECT_EQ(recalled.contacts.size(), views.back().contacts.size());
+  EXPECT_FLOAT_EQ(recalled.age, 1.0F);
+  EXPECT_FALSE(recall({}, start + 1.1));
 }
 
 TEST_F(Memory, HoldsAsWellBehindTheRobotWhereAnglesWrap) {

@@ -1,5 +1,6 @@
-// A robot that drives, with wheels that count too much, and then stands: what it saw stays on the
-// topics and ages, the map stays as it is, and odom_refined knows better than the wheels.
+// A robot that drives, with wheels that count too much, and then stands and looks on: what it sees
+// stays on the topics, as does somebody who comes for a while, the map stays as it is, and
+// odom_refined knows better than the wheels.
 
 #include <dynamic_reconfigure/Reconfigure.h>
 #include <gtest/gtest.h>
@@ -17,7 +18,8 @@ namespace ipm_mapping {
 namespace {
 
 constexpr double wheel_scale = 1.04;
-constexpr int driving = 16, standing = 15;  // frames
+constexpr int driving = 16, standing = 21;  // frames
+constexpr int comes = driving + 6, leaves = comes + 8;
 
 class Standing : public testing::Test {
  protected:
@@ -47,7 +49,7 @@ class Standing : public testing::Test {
     for (int i = 0; i < driving + standing; ++i) {
       const double t = topics->robot.frameTime(i);
       topics->sendInfo(t);
-      topics->sendImage(topics->robot.image(topics->stamp(t), truth(i)));
+      topics->sendImage(topics->robot.image(topics->stamp(t), truth(i), i >= comes && i < leaves));
       for (int k = 0; k < 5; ++k) sendWheels(i, k);
       ros::spinOnce();
     }
@@ -109,7 +111,7 @@ std::unique_ptr<Collected<nav_msgs::Odometry>> Standing::refined;
 std::unique_ptr<Diagnostics> Standing::diagnostics;
 std::unique_ptr<RobotTopics> Standing::topics;
 
-TEST_F(Standing, EveryStandingFrameTellsWhatTheLastOneSawWithGrowingAge) {
+TEST_F(Standing, EveryStandingFrameTellsWhatItSeesAndSinceWhenThatIsNothingNew) {
   const auto fresh = answers(false), held = answers(true);
   ASSERT_GT(fresh.size(), 8U);
   ASSERT_EQ(held.size(), std::size_t{standing});
@@ -121,15 +123,53 @@ TEST_F(Standing, EveryStandingFrameTellsWhatTheLastOneSawWithGrowingAge) {
     age = answer->age;
     EXPECT_NEAR(age, (answer->header.stamp - last.header.stamp).toSec(), 1e-3);
     ASSERT_GE(answer->contacts.size(), last.contacts.size());
-    for (const ObstacleContact& contact : answer->contacts) EXPECT_GE(contact.age, age - 1e-3F);
+    for (const ObstacleContact& contact : answer->contacts) {
+      EXPECT_GT(contact.age, 0.0F);
+      EXPECT_LT(contact.age, age + 1.0F);
+    }
     for (const ObstacleContact& seen : last.contacts)
       EXPECT_TRUE(std::any_of(answer->contacts.begin(), answer->contacts.end(),
                               [&](const ObstacleContact& c) {
-                                return std::hypot(c.x - seen.x, c.y - seen.y) < 1e-3F;
+                                return std::hypot(c.x - seen.x, c.y - seen.y) < 0.02F;
                               }));
   }
   for (const ObstacleArray* answer : fresh)
     for (const ObstacleContact& contact : answer->contacts) EXPECT_EQ(contact.age, 0.0F);
+}
+
+TEST_F(Standing, SeesSomebodyComeAndLeave) {
+  const SyntheticRobot::Box visitor = SyntheticRobot::visitor();
+  const SE2 pose = truth(driving);
+  const auto off = [&](const Eigen::Vector2d& p_base) {
+    const Eigen::Vector2d p = pose * p_base;
+    return (p - p.cwiseMax(visitor.low.head<2>()).cwiseMin(visitor.high.head<2>())).norm();
+  };
+  const Eigen::Vector2d middle =
+      pose.inverse() * Eigen::Vector2d(0.5 * (visitor.low + visitor.high).head<2>());
+  for (std::size_t i = 0; i < obstacles->size(); ++i) {
+    const ObstacleArray& answer = *obstacles->all[i];
+    const int frame = frameOf(answer);
+    if (frame < driving) continue;
+    const auto there = std::count_if(answer.contacts.begin(), answer.contacts.end(),
+                                     [&](const ObstacleContact& c) {
+                                       return c.moving && off({c.x, c.y}) < 0.06;
+                                     });
+    int cloud = 0;
+    for (sensor_msgs::PointCloud2ConstIterator<float> p(*contacts->all[i], "x"); p != p.end(); ++p)
+      cloud += off({p[0], p[1]}) < 0.06 ? 1 : 0;
+    const sensor_msgs::LaserScan& scan = *scans->all[i];
+    const auto ray = static_cast<std::size_t>(
+        std::lround((std::atan2(middle.y(), middle.x()) - scan.angle_min) / scan.angle_increment));
+    if (frame > comes && frame < leaves) {
+      EXPECT_GE(there, 2) << frame;
+      EXPECT_GE(cloud, 2) << frame;
+      EXPECT_NEAR(scan.ranges.at(ray), middle.norm(), 0.15) << frame;
+    } else if (frame != comes) {
+      EXPECT_EQ(there, 0) << frame;
+      EXPECT_EQ(cloud, 0) << frame;
+      EXPECT_GT(scan.ranges.at(ray), middle.norm() + 0.2) << frame << ": the way is free";
+    }
+  }
 }
 
 TEST_F(Standing, ScanAndContactsDoNotGoEmpty) {
@@ -147,7 +187,7 @@ TEST_F(Standing, ScanAndContactsDoNotGoEmpty) {
 
 TEST_F(Standing, IsNotCountedAsUsed) {
   const double used = static_cast<double>(answers(false).size());
-  EXPECT_TRUE(diagnostics->waitFor("detector", "skipped_no_motion", standing));
+  EXPECT_TRUE(diagnostics->waitFor("detector", "watched", standing));
   EXPECT_TRUE(diagnostics->waitFor("detector", "used", used));
   EXPECT_TRUE(diagnostics->waitFor("mapper", "skipped_remembered", standing));
   EXPECT_TRUE(diagnostics->waitFor("mapper", "used", used));

@@ -81,7 +81,16 @@ class SyntheticRobot {
     return message;
   }
 
-  [[nodiscard]] static sensor_msgs::ImagePtr image(double stamp, const SE2& T_odom_base) {
+  /// A box on the floor of odom, metres.
+  struct Box {
+    Eigen::Vector3d low, high;
+  };
+  /// What the robot drives towards, and somebody who may stand to the left of it.
+  [[nodiscard]] static Box box() { return {{1.5, -0.25, 0.0}, {1.8, 0.15, 0.4}}; }
+  [[nodiscard]] static Box visitor() { return {{1.7, 0.45, 0.0}, {1.82, 0.7, 0.9}}; }
+
+  [[nodiscard]] static sensor_msgs::ImagePtr image(double stamp, const SE2& T_odom_base,
+                                                   bool visited = false) {
     auto message = boost::make_shared<sensor_msgs::Image>();
     message->header = header(stamp, camera_frame);
     message->width = width;
@@ -96,7 +105,8 @@ class SyntheticRobot {
     T_world_camera = T_world_camera * T_base_camera();
     for (int v = 0; v < height; ++v)
       for (int u = 0; u < width; ++u)
-        message->data[static_cast<std::size_t>(v * width + u)] = shade(T_world_camera, u, v);
+        message->data[static_cast<std::size_t>(v * width + u)] =
+            shade(T_world_camera, u, v, visited);
     return message;
   }
 
@@ -123,8 +133,8 @@ class SyntheticRobot {
   }
 
   /// Distance along the ray to the box; infinity where it is missed.
-  static double toBox(const Eigen::Vector3d& from, const Eigen::Vector3d& ray) {
-    const Eigen::Vector3d low(1.5, -0.25, 0.0), high(1.8, 0.15, 0.4);
+  static double toBox(const Box& box, const Eigen::Vector3d& from, const Eigen::Vector3d& ray) {
+    const auto& [low, high] = box;
     double enter = 0.0, leave = 1e9;
     for (int i = 0; i < 3; ++i) {
       const double a = (low(i) - from(i)) / ray(i), b = (high(i) - from(i)) / ray(i);
@@ -134,17 +144,18 @@ class SyntheticRobot {
     return enter < leave ? enter : std::numeric_limits<double>::infinity();
   }
 
-  static std::uint8_t shade(const Eigen::Isometry3d& T_world_camera, int u, int v) {
+  static std::uint8_t shade(const Eigen::Isometry3d& T_world_camera, int u, int v, bool visited) {
     const Intrinsics k = intrinsics();
     const Eigen::Vector3d ray =
         T_world_camera.linear() * Eigen::Vector3d((u - k.cx) / k.fx, (v - k.cy) / k.fy, 1.0);
     const Eigen::Vector3d from = T_world_camera.translation();
-    const double box = toBox(from, ray);
+    double nearest = toBox(box(), from, ray);
+    if (visited) nearest = std::min(nearest, toBox(visitor(), from, ray));
     const double floor =
         ray.z() < 0 ? -from.z() / ray.z() : std::numeric_limits<double>::infinity();
-    if (!std::isfinite(std::min(box, floor))) return 200;
-    const Eigen::Vector3d p = from + std::min(box, floor) * ray;
-    if (box < floor)
+    if (!std::isfinite(std::min(nearest, floor))) return 200;
+    const Eigen::Vector3d p = from + std::min(nearest, floor) * ray;
+    if (nearest < floor)
       return static_cast<std::uint8_t>(20 + 60 * noise(30 * (p.x() + p.y()), 30 * p.z(), 1));
     return static_cast<std::uint8_t>(130 + 40 * noise(8 * p.x(), 8 * p.y(), 2));
   }

@@ -39,7 +39,7 @@ class Free : public ::testing::Test {
   Bearing& at(int i) { return obstacles.bearings[static_cast<std::size_t>(i)]; }
   void limit(const SE2& pose = {}) {
     free_floor.limit(obstacles);
-    free_floor.limitBelowTheView(pose, obstacles);
+    free_floor.limitBelowTheView(pose, obstacles.view.stamp, obstacles);
   }
 
   FreeFloorParameters parameters;
@@ -103,6 +103,34 @@ TEST_F(Free, WhatPassedBelowTheViewStillHidesTheFloor) {
   limit({0.2, 0.0, 0.0});  // the contact is 0.3 m away now, the view begins at 0.4 m
   EXPECT_EQ(at(middle).state, BearingState::Blocked);
   EXPECT_EQ(at(middle + 4).state, BearingState::Free);
+}
+
+/// A wall beside the robot, seen thirty times a second, does not push out what passed below.
+TEST_F(Free, ItIsNotForgottenForWhatIsSeenOverAndOver) {
+  contact(middle, 0.5);
+  limit();
+  for (int k = 1; k <= 300; ++k) {
+    newFrame(k / 30.0);
+    for (int i = 0; i < 8; ++i) contact(i, 0.5);
+    limit({0.2, 0.0, 0.0});
+    ASSERT_EQ(at(middle).state, BearingState::Blocked) << k;
+  }
+}
+
+TEST_F(Free, TheOldestIsForgottenFirstWhereThereIsTooMuch) {
+  contact(middle, 0.5);
+  limit();
+  newFrame(0.1);
+  limit({0.2, 0.0, 0.0});
+  ASSERT_EQ(at(middle).state, BearingState::Blocked);
+  for (int k = 0; k < 60; ++k) {
+    newFrame(0.2 + 0.1 * k);
+    for (int i = 0; i < 10; ++i) contact(i, 0.5);
+    limit({0.2, 5.0 + 2.0 * k, 0.0});  // far away
+  }
+  newFrame(7.0);
+  limit({0.2, 0.0, 0.0});
+  EXPECT_EQ(at(middle).state, BearingState::Free);
 }
 
 TEST_F(Free, WhatMovesDoesNotStayBelowTheView) {

@@ -23,7 +23,7 @@ class Lone : public PlainWall {
     std::vector<BeamChoice> choices(static_cast<std::size_t>(sweep.beams()));
     for (const Place& contact : contacts)
       choices[static_cast<std::size_t>(contact.beam)].candidate = contact.candidate;
-    lone.mark(T_floor_foot, choices);
+    lone.mark(T_floor_foot, new_evidence, choices);
     std::vector<int> beams;
     for (std::size_t beam = 0; beam < choices.size(); ++beam)
       if (choices[beam].doubtful) beams.push_back(static_cast<int>(beam));
@@ -31,6 +31,7 @@ class Lone : public PlainWall {
   }
   SelectionParameters parameters;
   LoneContact lone;
+  bool new_evidence = true;
 };
 
 using Beams = std::vector<int>;
@@ -108,6 +109,18 @@ TEST_F(Lone, NoMoreSightsAreAskedForThanThereAreFrames) {
   parameters.lone_of = 1;
   configure();
   EXPECT_EQ(doubtful({{12, 60.0F}}), Beams{});
+}
+
+/// A robot that stands sees the same again, out of the same views.
+TEST_F(Lone, WhatIsNoNewEvidenceConfirmsNothing) {
+  configure();
+  EXPECT_EQ(doubtful({{12, 60.0F}}), Beams{12});
+  new_evidence = false;
+  for (int k = 0; k < 5; ++k) EXPECT_EQ(doubtful({{12, 60.0F}, {20, 60.0F}}), (Beams{12, 20}));
+  new_evidence = true;
+  EXPECT_EQ(doubtful({{12, 60.0F}, {20, 60.0F}}), Beams{20});
+  new_evidence = false;
+  EXPECT_EQ(doubtful({{12, 60.0F}, {20, 60.0F}}), Beams{20});
 }
 
 TEST_F(Lone, ResetForgetsAndOneFrameIsOff) {

@@ -19,6 +19,9 @@ class Remembered : public PlainWall {
   /// The wall, 1.2 m away, seen by its own texture, or guessed by its edge. Its picture is that of
   /// a wall at 1.2 m.
   void see(double stamp, bool by_edge = false, bool doubtful = false) {
+    see(stamp, first, last, by_edge, doubtful);
+  }
+  void see(double stamp, int from, int to, bool by_edge, bool doubtful) {
     clear();
     const Image<std::int16_t> later = grey;
     for (int line = 0; line < grid.lines; ++line)
@@ -27,7 +30,7 @@ class Remembered : public PlainWall {
             kernels::grey_unit * (2 * row < grid.row((wall + way) / std::cos(grid.azimuth(line)))
                                       ? wall_grey
                                       : floor_grey));
-    for (int beam = first; beam <= last; ++beam) {
+    for (int beam = from; beam <= to; ++beam) {
       BeamChoice& choice = choices[static_cast<std::size_t>(beam)];
       choice.candidate = static_cast<float>(candidateAt((wall + way) / std::cos(azimuth(beam))));
       choice.score = 30.0F;
@@ -49,7 +52,7 @@ class Remembered : public PlainWall {
   void complete(const SE2& T_floor_foot, double stamp) {
     const SweepReference one = reference();
     const CurrentView now = current();
-    remembered.complete({now, &one, 1, sweep}, T_floor_foot, stamp, choices);
+    remembered.complete({now, &one, 1, sweep}, T_floor_foot, stamp, new_evidence, choices);
   }
   void clear() { std::fill(choices.begin(), choices.end(), BeamChoice{}); }
   [[nodiscard]] double azimuth(int beam) const { return sweep.azimuth(beam); }
@@ -57,6 +60,7 @@ class Remembered : public PlainWall {
     return grid.row(distance) / PolarGrid::rows_per_sweep_row - sweep.sweepRow(0.0);
   }
 
+  bool new_evidence = true;
   RememberedFoot remembered;
   std::vector<BeamChoice> choices;
 };
@@ -100,6 +104,31 @@ TEST_F(Remembered, AGuessHasToBeMadeTwice) {
   EXPECT_EQ(look(10.1), 0);
   see(10.2, true);
   EXPECT_GT(look(10.3), 0);
+}
+
+/// What a robot that stands sees is found by its memory, and does not feed it.
+TEST_F(Remembered, WhatIsNoNewEvidenceIsNotRemembered) {
+  configure();
+  new_evidence = false;
+  for (int k = 0; k < 5; ++k) see(10.0 + 0.1 * k);
+  EXPECT_EQ(look(10.5), 0);
+  new_evidence = true;
+  see(10.6);
+  new_evidence = false;
+  EXPECT_GT(look(10.7), last - first - 2);
+}
+
+/// One side of the wall is seen five hundred times more.
+TEST_F(Remembered, AFastCameraDoesNotShortenIt) {
+  parameters.foot_memory = 3.0;
+  configure();
+  see(10.0);
+  const int known = look(12.9);
+  configure();
+  see(10.0);
+  for (int k = 1; k <= 500; ++k)
+    see(10.0 + 0.005 * k, first, (first + last) / 2, false, false);
+  EXPECT_EQ(look(12.9), known);
 }
 
 TEST_F(Remembered, AResetForgetsEverything) {

@@ -228,7 +228,9 @@ TEST(SweepDetector, SaysWhyThereIsNoAnswer) {
   EXPECT_EQ(drive.at({0, 0, 0}), FrameStatus::NoReference);
   EXPECT_EQ(drive.at({0.0005, 0, 0}), FrameStatus::NoMotion);
   EXPECT_EQ(drive.at({0.2, 0, 0}), FrameStatus::Used);
-  EXPECT_EQ(drive.at({0.2, 0, 0}), FrameStatus::NoMotion);
+  EXPECT_EQ(drive.at({0.2, 0, 0}), FrameStatus::Watched);
+  EXPECT_FALSE(drive.obstacles.bearings.empty());
+  EXPECT_EQ(drive.at({0.2, 0, 0.5}), FrameStatus::NoMotion);
   EXPECT_TRUE(drive.obstacles.bearings.empty());
   EXPECT_EQ(drive.at({0.4, 0, 1.0}), FrameStatus::TooMuchRotation);
   drive.detector.reset();

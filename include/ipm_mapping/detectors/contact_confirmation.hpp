@@ -10,23 +10,26 @@ namespace ipm_mapping {
 
 /// Filter over time: a contact counts when contacts lay within `confirm_radius` of it, on the floor
 /// of the odometry frame, in `confirm_frames` of the last `confirm_of` used frames, its own
-/// included. Does nothing unless `filter` is on.
+/// included. Does nothing unless `filter` is on. An answer of age above 0 is no new evidence: its
+/// contacts have to have been confirmed before.
 class ContactConfirmation {
  public:
   explicit ContactConfirmation(const MemoryParameters& parameters = {});
 
   void clear() { known_ = 0; }
-  /// Takes a used frame's answer and leaves its confirmed contacts; bearings that lose their
+  /// Takes an answer and leaves its confirmed contacts; bearings that lose their
   /// contact say nothing any more. Allocates only while the number of bearings grows.
   void apply(Obstacles& obstacles);
 
  private:
   using Points = std::vector<Eigen::Vector2d>;
 
+  void remember();
   [[nodiscard]] bool confirmed(const Eigen::Vector2d& p_odom) const;
 
   MemoryParameters parameters_;
-  std::vector<Points> frames_;  // ring: contacts in odom, as they were seen
+  Points present_;              // contacts in odom, as they are seen
+  std::vector<Points> frames_;  // ring of those of used frames
   std::size_t next_ = 0, known_ = 0;
 };
 

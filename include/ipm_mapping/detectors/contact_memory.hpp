@@ -14,11 +14,15 @@ namespace ipm_mapping {
 /// What one used frame saw, to be asked about places in the odometry frame.
 class RememberedView {
  public:
-  /// Takes a used frame's answer; allocates only while the number of bearings grows.
+  /// Takes an answer; allocates only while the number of bearings grows.
   void assign(const Obstacles& seen);
 
   [[nodiscard]] const GroundView& ground() const { return ground_; }
   [[nodiscard]] double maxRange() const { return max_range_; }
+  /// Seconds since the last new evidence: this view's, or that before it where the robot stood.
+  [[nodiscard]] float ageAt(double stamp) const {
+    return age_ + static_cast<float>(stamp - ground_.stamp);
+  }
   [[nodiscard]] const std::vector<Bearing>& bearings() const { return bearings_; }
   [[nodiscard]] const std::vector<Contact>& contacts() const { return contacts_; }
 
@@ -31,6 +35,7 @@ class RememberedView {
   GroundView ground_;
   SE2 T_base_odom_;
   double max_range_ = 0.0;
+  float age_ = 0.0F;
   double middle_ = 0.0;          // angle of the middle bearing: offsets from it do not wrap
   std::vector<double> offsets_;  // of the bearings, from left to right: falling
   std::vector<Bearing> bearings_;
@@ -39,7 +44,8 @@ class RememberedView {
 
 /// Holds what was seen while the robot shows nothing new: the last contacts and free floor, moved
 /// into the present view, with growing age. The scene is taken to be static for that long, but for
-/// what moves: that is only where the last frame saw it, and no longer than free floor.
+/// what moves: that is only where the last frame saw it, and no longer than free floor. What a
+/// robot that stands and looks on sees is the newest of it.
 ///
 /// Of several frames that looked at a place the newest decides: a contact stays as long as no newer
 /// frame saw floor there, and floor is free along a bearing as far as all of it was seen free.
@@ -50,8 +56,9 @@ class ContactMemory {
 
   /// Clock or odometry jumped, or another camera.
   void clear();
-  /// After a detector's frame. Used: confirms the answer where the filter is on, and remembers it.
-  /// Nothing new: fills `obstacles` with what still holds, its age and its contacts' ages above 0.
+  /// After a detector's frame. Confirms its answer where the filter is on, and remembers it. Where
+  /// that is nothing new: fills `obstacles` with what still holds, its age and its contacts' ages
+  /// above 0.
   /// Returns whether `obstacles` says something.
   bool follow(const Frame& frame, FrameStatus status, Obstacles& obstacles);
 

@@ -41,6 +41,7 @@ struct SweepReferenceParameters {
   double least_long_baseline = 0.2;
   double max_rotation = 0.35;
   double max_age = 4.0;
+  double watch = 300.0;
   double min_motion = 0.002;
   double spacing = 0.02;
   int history = 96;
@@ -58,6 +59,9 @@ struct SweepReferenceParameters {
           "a reference that was turned further away is not used");
     field("max_age", self.max_age, Unit{"s"}, Range{0.0, 60.0},
           "a reference that is older is not used");
+    field("watch", self.watch, Unit{"s"}, Range{0.0, 86400.0},
+          "a robot that stands goes on looking for so long, with the references from before: what "
+          "comes is seen, and that it has left; 0: it gives no answer of its own");
     field("min_motion", self.min_motion, Unit{"m"}, Range{0.0, 1.0},
           "a frame that moved less since the frame before it brings no new evidence");
     field("spacing", self.spacing, Unit{"camera heights"}, Range{0.0, 1.0},

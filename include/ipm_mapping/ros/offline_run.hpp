@@ -57,7 +57,7 @@ struct RunReport {
   std::uint64_t resets = 0;
   std::uint64_t contacts = 0;
   std::vector<std::pair<std::string, StageStatistics>> stages;
-  double processing_seconds = 0.0;  ///< detector and map
+  double processing_seconds = 0.0;  ///< detector and map, but for a robot that looks on
   double wall_seconds = 0.0;        ///< with reading and decoding
 
   [[nodiscard]] std::uint64_t used() const {
@@ -84,6 +84,8 @@ class OfflineRun {
   struct Observers {
     /// After every used frame, with the raw picture.
     std::function<void(const Obstacles&, GrayView raw)> used;
+    /// After every frame in which the robot stood and looked on.
+    std::function<void(const Obstacles&, GrayView raw)> watched;
     /// After every frame that reached the detector; false ends the run.
     std::function<bool(std::uint64_t index, FrameStatus, GrayView raw)> frame;
     std::function<void(double share)> progress;  ///< 0..1

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 
 #include "ipm_mapping/detector.hpp"
@@ -33,6 +34,8 @@ class StageMonitor {
   void received();
   /// It was used; its latency counts up to now.
   void used(const ros::Time& stamp);
+  /// It was answered, but is no new evidence for those that come after.
+  void watched(const ros::Time& stamp, const std::string& sentence);
   /// It was left out for a reason that is no fault: the robot stands, history is filling.
   void skipped(const std::string& reason);
   /// It was dropped because something is wrong.
@@ -58,7 +61,7 @@ class StageMonitor {
  private:
   struct Period {
     std::uint64_t received = 0, used = 0, skipped = 0, dropped = 0, lost = 0;
-    double latency = 0.0;
+    std::optional<double> latency;
     std::string last_skip;
     FaultLog faults;
   };

@@ -27,20 +27,22 @@ class FreeFloor {
   /// `near` of each bearing has to be set.
   void limit(Obstacles& obstacles) const;
   /// The same by earlier contacts that are below the view now, and remembers this frame's.
-  /// `T_floor_base` is the pose of the base by the floor's own motion.
-  void limitBelowTheView(const SE2& T_floor_base, Obstacles& obstacles);
+  /// `T_floor_base` is the pose of the base by the floor's own motion; `seconds` count up, but not
+  /// while the robot stands.
+  void limitBelowTheView(const SE2& T_floor_base, double seconds, Obstacles& obstacles);
 
  private:
   struct Remembered {
     Eigen::Vector2d p_floor;
     Eigen::Vector2d next_floor;  ///< of the contact beside it: coming nearer, they move apart
-    double stamp;
+    double seconds;
   };
   void fillSlits(std::vector<Bearing>& bearings) const;
   void besideContacts(Obstacles& obstacles) const;
   void betweenContacts(Obstacles& obstacles) const;
-  void belowTheView(const SE2& T_floor_base, Obstacles& obstacles);
-  void remember(const SE2& T_floor_base, const Obstacles& obstacles);
+  void belowTheView(const SE2& T_floor_base, double seconds, Obstacles& obstacles);
+  void remember(const SE2& T_floor_base, double seconds, const Obstacles& obstacles);
+  [[nodiscard]] Remembered& slotFor(const Eigen::Vector2d& p_floor);
 
   FreeFloorParameters parameters_;
   std::vector<Remembered> remembered_;

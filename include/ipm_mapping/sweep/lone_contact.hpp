@@ -18,9 +18,9 @@ class LoneContact {
   void configure(const VerticalSweep& sweep, const SelectionParameters& parameters);
   void reset() { next_ = known_ = 0; }
 
-  /// Marks the doubtful choices of a used frame. `T_floor_foot`: pose of the camera's foot by the
-  /// floor's own motion.
-  void mark(const SE2& T_floor_foot, std::vector<BeamChoice>& choices);
+  /// Marks the doubtful choices of a frame. `T_floor_foot`: pose of the camera's foot by the
+  /// floor's own motion. What a robot sees that stands is not `new_evidence` for anything.
+  void mark(const SE2& T_floor_foot, bool new_evidence, std::vector<BeamChoice>& choices);
 
  private:
   using Points = std::vector<Eigen::Vector2d>;

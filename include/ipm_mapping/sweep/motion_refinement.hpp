@@ -25,6 +25,12 @@ struct RectifiedFrame : OdometryOfFrame {
   bool sheared = false;  ///< too fast for all of it to be undone
   SE2 T_floor_base;      ///< the same by chaining refined motions
   double stamp = 0.0;
+  double stood = 0.0;  ///< seconds until then in which the robot stood and looked on
+
+  /// Seconds by which another frame is newer, but for what the robot stood in between.
+  [[nodiscard]] double age(const RectifiedFrame& newer) const {
+    return (newer.stamp - newer.stood) - (stamp - stood);
+  }
 };
 
 /// Motion between two frames as the floor shows it.

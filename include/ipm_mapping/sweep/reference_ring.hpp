@@ -16,23 +16,22 @@ class ReferenceRing {
   /// frame's memory. Returns whether it was kept.
   bool offer(RectifiedFrame& frame);
 
-  /// Newest frame at least `baseline` metres from a pose, young enough and not turned away too far;
-  /// null if there is none. The first frame that is far enough decides: an older one would be
+  /// Newest frame at least `baseline` metres from another one, young enough and not turned away too
+  /// far; null if there is none. The first frame that is far enough decides: an older one would be
   /// turned further.
-  [[nodiscard]] const RectifiedFrame* find(const SE2& T_odom_base, double stamp,
-                                           double baseline) const;
+  [[nodiscard]] const RectifiedFrame* find(const RectifiedFrame& current, double baseline) const;
   /// Does something to all frames, and to the memory that waits for others.
   template <class Change>
   void forEach(const Change& change) {
     for (RectifiedFrame& frame : frames_) change(frame);
   }
   /// Any frame at least `baseline` away and young enough, however turned: tells why find() failed.
-  [[nodiscard]] bool farEnough(const SE2& T_odom_base, double stamp, double baseline) const;
+  [[nodiscard]] bool farEnough(const RectifiedFrame& current, double baseline) const;
   [[nodiscard]] int size() const { return used_; }
 
  private:
   [[nodiscard]] const RectifiedFrame& newest(int back) const;
-  [[nodiscard]] const RectifiedFrame* firstBeyond(const SE2& pose, double stamp,
+  [[nodiscard]] const RectifiedFrame* firstBeyond(const RectifiedFrame& current,
                                                   double baseline) const;
 
   SweepReferenceParameters parameters_;

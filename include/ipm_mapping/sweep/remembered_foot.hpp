@@ -21,15 +21,16 @@ class RememberedFoot {
                  const FootParameters& parameters);
   void reset() { known_.clear(); }
 
-  /// Fills choices of beams that have none, then remembers those that had one before. Azimuths
-  /// count from the camera's foot; `T_floor_foot` is its pose by the floor's own motion.
-  void complete(const ComparedFrame& frame, const SE2& T_floor_foot, double stamp,
-                std::vector<BeamChoice>& choices);
+  /// Fills choices of beams that have none, and remembers those that had one before if this is
+  /// `new_evidence`. Azimuths count from the camera's foot; `T_floor_foot` is its pose by the
+  /// floor's own motion; `seconds` count up, but not while the robot stands.
+  void complete(const ComparedFrame& frame, const SE2& T_floor_foot, double seconds,
+                bool new_evidence, std::vector<BeamChoice>& choices);
 
  private:
   struct Known {
     Eigen::Vector2d p_floor;
-    double stamp = 0.0;
+    double seconds = 0.0;
     bool sure = false;  ///< seen by parallax, or by its edge more than once
     KnownFoot foot;
   };
@@ -39,10 +40,10 @@ class RememberedFoot {
     bool sure = false;
     KnownFoot foot;
   };
-  void forget(double stamp);
+  void forget(double seconds);
   void assign(const SE2& T_foot_floor);
   [[nodiscard]] bool knownAt(int beam, const BeamChoice& choice) const;
-  void remember(const ComparedFrame& frame, const SE2& T_floor_foot, double stamp,
+  void remember(const ComparedFrame& frame, const SE2& T_floor_foot, double seconds,
                 const std::vector<BeamChoice>& choices);
 
   FootParameters parameters_;

@@ -91,7 +91,8 @@ class SweepDetector : public Detector {
   [[nodiscard]] double longestReadout() const;
   void applyCalibration();
   [[nodiscard]] SE2 expectedMotion(const RectifiedFrame& reference) const;
-  FrameStatus findReferences(const Frame& frame);
+  bool hasMoved();
+  FrameStatus findReferences(bool moved);
   void findContacts(const CurrentView& view);
   void maskFloor();
   void splitCurrent();
@@ -163,9 +164,11 @@ class SweepDetector : public Detector {
   int reference_count_ = 0;
   SweepScores scores_;
   std::vector<BeamChoice> choices_;
-  SE2 last_used_;
-  OdometryOfFrame last_;  // frame
-  SE2 T_floor_last_;      // of it
+  SE2 last_new_;                             // pose of the last frame that had moved
+  double stopped_ = 0.0;                     // its stamp
+  double stood_ = 0.0, stood_before_ = 0.0;  // seconds, all in all and until then
+  OdometryOfFrame last_;                     // frame
+  SE2 T_floor_last_;                         // of it
   bool seen_any_ = false, kept_ = false, floor_masked_ = false;
   std::vector<StageTime> times_;
   double lap_start_ = 0.0;

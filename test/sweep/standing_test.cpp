@@ -1,0 +1,174 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sweep/drive.hpp"
+
+namespace ipm_mapping::sweep {
+namespace {
+
+using test::GrainedScene;
+
+/// A robot that has driven up to something, or nothing, and stands.
+class Standing : public ::testing::Test {
+ protected:
+  void start(const SweepParameters& parameters = test::smallParameters()) {
+    drive = std::make_unique<test::Drive>(parameters);
+  }
+  void arrive() {
+    ASSERT_EQ(drive->along(0.0, end, 20), FrameStatus::Used);
+    used = drive->obstacles;
+  }
+  FrameStatus stand(double seconds = 0.1) {
+    drive->index += static_cast<std::uint64_t>(std::lround(seconds / 0.1)) - 1;
+    return drive->at({end, 0.0, heading});
+  }
+  [[nodiscard]] int moving() const {
+    const auto& contacts = drive->obstacles.contacts;
+    return static_cast<int>(
+        std::count_if(contacts.begin(), contacts.end(), [](const Contact& c) { return c.moving; }));
+  }
+  /// How far the middle of the view is free or occupied, metres from base.
+  [[nodiscard]] const Bearing& ahead() const {
+    const auto& all = drive->obstacles.bearings;
+    return *std::min_element(all.begin(), all.end(), [](const Bearing& a, const Bearing& b) {
+      return std::abs(a.angle) < std::abs(b.angle);
+    });
+  }
+  [[nodiscard]] double reach() const {
+    return double{ahead().range} + drive->scene.T_base_camera.translation().x();
+  }
+
+  const double end = 0.5;
+  double heading = 0.0;
+  std::unique_ptr<test::Drive> drive;
+  Obstacles used;  // answer on arriving
+};
+
+TEST_F(Standing, GoesOnSeeingWhatStandsThere) {
+  start();
+  drive->scene.boxes = {{1.7, 1.85, -0.25, 0.3, 0.4}};
+  arrive();
+  ASSERT_GT(used.contacts.size(), 10U);
+  float age = 0.0F;
+  for (int k = 0; k < 30; ++k) {
+    ASSERT_EQ(stand(), FrameStatus::Watched);
+    const Obstacles& now = drive->obstacles;
+    EXPECT_GT(now.age, age) << "nothing new for a map";
+    age = now.age;
+    EXPECT_NEAR(static_cast<double>(age), 0.1 * (k + 1), 1e-4);
+    EXPECT_GE(now.contacts.size() + 2, used.contacts.size());
+    EXPECT_GT(drive->shareOnOutlines(), 0.95);
+    for (const Contact& c : now.contacts) EXPECT_EQ(c.age, 0.0F) << "seen in this frame";
+  }
+}
+
+TEST_F(Standing, SeesSomebodyComeStayAndLeave) {
+  start();
+  arrive();
+  ASSERT_TRUE(used.contacts.empty());
+  const double open = reach();
+  for (int k = 0; k < 60; ++k) {
+    const double y = std::min(-1.0 + 0.1 * k, -0.1);  // from the right, and stays
+    drive->scene.boxes = {{1.6, 1.75, y, y + 0.25, 0.9}};
+    ASSERT_EQ(stand(), FrameStatus::Watched);
+    if (k < 10) continue;
+    EXPECT_GE(moving(), 4) << k;
+    EXPECT_GT(drive->shareOnOutlines(), 0.8) << k;
+    EXPECT_EQ(ahead().state, BearingState::Occupied) << k;
+    EXPECT_NEAR(reach(), 1.6 - end, 0.06) << k;
+  }
+  drive->scene.boxes.clear();
+  ASSERT_EQ(stand(), FrameStatus::Watched);
+  EXPECT_TRUE(drive->obstacles.contacts.empty());
+  EXPECT_EQ(ahead().state, BearingState::Free) << "who waits for him may drive on";
+  EXPECT_NEAR(reach(), open, 0.05);
+}
+
+TEST_F(Standing, SomebodyWhoHasBeenThereAllTheTimeLeavesNoGhost) {
+  start();
+  drive->scene.boxes = {{1.7, 1.85, -0.25, 0.3, 0.9}};
+  arrive();
+  ASSERT_GT(used.contacts.size(), 10U);
+  drive->scene.boxes.clear();
+  for (int k = 0; k < 10; ++k) {
+    ASSERT_EQ(stand(), FrameStatus::Watched);
+    EXPECT_EQ(moving(), 0) << k;
+    EXPECT_NE(ahead().state, BearingState::Occupied) << k;
+  }
+}
+
+TEST_F(Standing, LooksOnOnlyForSoLong) {
+  SweepParameters parameters = test::smallParameters();
+  parameters.reference.watch = 20.0;
+  start(parameters);
+  drive->scene.boxes = {{1.7, 1.85, -0.25, 0.3, 0.4}};
+  arrive();
+  ASSERT_EQ(stand(19.9), FrameStatus::Watched);
+  EXPECT_FALSE(drive->obstacles.contacts.empty());
+  ASSERT_EQ(stand(0.2), FrameStatus::NoMotion);
+  EXPECT_TRUE(drive->obstacles.contacts.empty());
+  EXPECT_TRUE(drive->obstacles.bearings.empty());
+}
+
+TEST_F(Standing, DoesNotLookOnWhereThatIsNotAskedFor) {
+  SweepParameters parameters = test::smallParameters();
+  parameters.reference.watch = 0.0;
+  start(parameters);
+  arrive();
+  EXPECT_EQ(stand(), FrameStatus::NoMotion);
+}
+
+/// However long it stood: its references are as good as they were.
+TEST_F(Standing, AnswersAtOnceWhenItDrivesOn) {
+  for (const double watch : {300.0, 0.0}) {
+    SweepParameters parameters = test::smallParameters();
+    parameters.reference.watch = watch;
+    start(parameters);
+    drive->scene.boxes = {{1.7, 1.85, -0.25, 0.3, 0.4}};
+    arrive();
+    const double seconds = parameters.reference.max_age + 20.0;
+    for (double t = 0.0; t < seconds; t += 1.0) stand(1.0);
+    const FrameStatus status = drive->at({end + 0.025, 0.0, 0.0});
+    EXPECT_EQ(status, watch > 0.0 ? FrameStatus::Used : FrameStatus::NoReference);
+    if (watch > 0.0) {
+      EXPECT_GT(drive->obstacles.contacts.size(), 10U);
+      EXPECT_EQ(drive->obstacles.age, 0.0F);
+    }
+  }
+}
+
+/// Driving so slowly that every other frame has not moved is no way to keep references for ever.
+TEST_F(Standing, WhatADrivingRobotSawGrowsOld) {
+  SweepParameters parameters = test::smallParameters();
+  parameters.reference.max_age = 3.0;
+  start(parameters);
+  arrive();
+  FrameStatus status = FrameStatus::Used;
+  double x = end;
+  for (int k = 0; k < 40; ++k) status = drive->at({x += 0.0025, 0.0, 0.0});
+  EXPECT_EQ(status, FrameStatus::NoReference) << "ten centimetres in four seconds";
+}
+
+TEST_F(Standing, TurnsItsHeadALittleAndStillSees) {
+  start();
+  drive->scene.boxes = {{1.7, 1.85, -0.25, 0.3, 0.4}};
+  arrive();
+  for (heading = 0.0; heading < 0.3; heading += 0.04) {
+    ASSERT_EQ(stand(), FrameStatus::Watched) << heading;
+    EXPECT_GT(drive->obstacles.contacts.size(), 8U) << heading;
+    EXPECT_GT(drive->shareOnOutlines(), 0.9) << heading;
+  }
+  heading = 0.6;
+  EXPECT_EQ(stand(), FrameStatus::NoMotion);
+}
+
+TEST_F(Standing, WithoutAWayBehindItThereIsNothingToCompareWith) {
+  start();
+  ASSERT_EQ(drive->at({0.0, 0.0, 0.0}), FrameStatus::NoReference);
+  for (int k = 0; k < 5; ++k) EXPECT_EQ(drive->at({0.0, 0.0, 0.0}), FrameStatus::NoMotion);
+}
+
+}  // namespace
+}  // namespace ipm_mapping::sweep
