@@ -29,7 +29,8 @@ reported free, the share whose free range ends more than 10 cm behind the first 
 floor that is promised where something stands. *Free way*: of the way to the first outline, or 2 m,
 over all bearings, the share that is reported free. Frames stand for themselves, except that the default
 detector knows feet that it saw in the last three seconds ([without](sweep.md#what-time-adds)).
-Frames in which the robot stands count where the detector looks on (`default`)."""
+Frames in which the robot stands count in the scenes that are about that (`standing`), where a detector
+looks on (`default`)."""
 
 HELD_OUT_METHOD = """Rendered for this table only: other textures, obstacles, lamps, camera heights
 (0.25 to 0.60 m), frame rates and slip, among them rolling shutter with motion blur and vibration. No

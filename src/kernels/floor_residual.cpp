@@ -85,17 +85,14 @@ void accumulate(const std::int16_t* HWY_RESTRICT residual, std::int32_t sign, in
   }
 }
 
-void windowed(const std::int32_t* sum, const std::int32_t* number, int half, int count,
+void windowed(const std::int32_t* sums, const std::int32_t* numbers, int width, int count,
               std::int16_t* HWY_RESTRICT mean) {
   const hn::ScalableTag<std::int32_t> d;
   const hn::RebindToFloat<decltype(d)> d_float;
   const hn::Rebind<std::int16_t, decltype(d)> d16;
   for (int i = 0; i < count; i += static_cast<int>(hn::Lanes(d))) {
-    auto total = hn::LoadU(d, sum + i - half), there = hn::LoadU(d, number + i - half);
-    for (int k = i - half + 1; k <= i + half; ++k) {
-      total = hn::Add(total, hn::LoadU(d, sum + k));
-      there = hn::Add(there, hn::LoadU(d, number + k));
-    }
+    const auto total = hn::Sub(hn::LoadU(d, sums + i + width), hn::LoadU(d, sums + i));
+    const auto there = hn::Sub(hn::LoadU(d, numbers + i + width), hn::LoadU(d, numbers + i));
     const auto divisor = hn::ConvertTo(d_float, hn::Max(there, hn::Set(d, 1)));
     const auto quotient = hn::Div(hn::ConvertTo(d_float, total), divisor);
     hn::StoreU(hn::DemoteTo(d16, hn::ConvertTo(d, quotient)), d16, mean + i);
@@ -157,9 +154,9 @@ void accumulateResidual(const std::int16_t* residual, int sign, int count, std::
   HWY_DYNAMIC_DISPATCH(accumulate)(residual, sign, count, sum, number);
 }
 
-void windowMean(const std::int32_t* sum, const std::int32_t* number, int half, int count,
+void windowMean(const std::int32_t* sums, const std::int32_t* numbers, int width, int count,
                 std::int16_t* mean) {
-  HWY_DYNAMIC_DISPATCH(windowed)(sum, number, half, count, mean);
+  HWY_DYNAMIC_DISPATCH(windowed)(sums, numbers, width, count, mean);
 }
 
 void squaredFloorDeviation(const std::int16_t* residual, const std::int16_t* mean,

@@ -98,6 +98,19 @@ void CandidateLines::allowForBrightness(const SweepReference* references, int co
   }
 }
 
+void CandidateLines::fetchBrightness(const SweepReference* references, int count, int candidate,
+                                     RowRange patch) const {
+  const std::size_t c = within(candidate);
+  for (std::size_t q = 0; q < static_cast<std::size_t>(count); ++q) {
+    const ImageView<const std::int32_t>& sums = references[q].sums;
+    const std::int32_t line = places_[q].line[c], row = places_[q].shift[c] >> 1;
+    if (line < 0 || line + 1 >= sums.height) continue;
+    for (const std::int32_t* sum : {sums.row(line), sums.row(line + 1)})
+      for (const int end : {patch.begin + row, patch.end + row})
+        if (end >= 0 && end < sums.width) __builtin_prefetch(sum + end);
+  }
+}
+
 void CandidateLines::sameBrightness(int count) {
   for (std::size_t q = 0; q < static_cast<std::size_t>(count); ++q) paths_[q].vertical.brighter = 0;
 }

@@ -6,6 +6,7 @@
 #include "ipm_mapping/kernels/floor_residual.hpp"
 #include "ipm_mapping/kernels/sweep_costs.hpp"
 #include "ipm_mapping/kernels/sweep_rectify.hpp"
+#include "ipm_mapping/kernels/sweep_sums.hpp"
 
 namespace ipm_mapping::sweep {
 namespace {
@@ -57,6 +58,8 @@ void FloorCost::configure(const PolarGrid& grid, const std::vector<RowRange>& re
   const auto n = static_cast<std::size_t>(rows + kernels::overrun);
   sum_.resize(n + static_cast<std::size_t>(2 * half_rows_));
   number_.resize(sum_.size());
+  sum_before_.resize(sum_.size() + 1);
+  number_before_.resize(sum_before_.size());
   mean_.resize(n);
   squares_.resize(n);
 }
@@ -137,8 +140,10 @@ void FloorCost::accumulate(int line, int sign) {
 /// t^2 of a line's rows, with the mean residual around each of them as what may drift.
 void FloorCost::squaresOf(const CurrentView& current, int line) {
   const RowRange rows = compared_[static_cast<std::size_t>(line)];
-  kernels::windowMean(sum_.data() + half_rows_ + rows.begin,
-                      number_.data() + half_rows_ + rows.begin, half_rows_, rows.size(),
+  const int width = 2 * half_rows_ + 1, reached = rows.size() + width - 1;
+  kernels::prefixSums(sum_.data() + rows.begin, reached, sum_before_.data());
+  kernels::prefixSums(number_.data() + rows.begin, reached, number_before_.data());
+  kernels::windowMean(sum_before_.data(), number_before_.data(), width, rows.size(),
                       mean_.data() + rows.begin);
   kernels::squaredFloorDeviation(residual_.row(line) + rows.begin, mean_.data() + rows.begin,
                                  current.weight.row(line) + rows.begin, rows.size(),

@@ -6,9 +6,9 @@
 namespace ipm_mapping::sweep {
 namespace {
 
-constexpr std::size_t most_known = 2048;
-constexpr double most_frames = 33.0;  // within foot_memory: fast cameras see the same again
-constexpr double same_place = 5.0;    // candidates
+constexpr std::size_t most_known = 6400;  // all beams
+constexpr double most_frames = 100.0;     // within foot_memory: faster cameras see the same again
+constexpr double same_place = 5.0;        // candidates
 
 }  // namespace
 

@@ -146,14 +146,20 @@ float VerticalSweep::scoreOf(const SweepReference* references, int count, int be
                               : 0;
     lines_.aim(references, count, candidate - farther, support);
     if (brightness_ > 0 && end == support.end)
-      lines_.allowForBrightness(references, count, candidate - farther,
-                                {contact - brightness_rows_, contact}, brightness_);
+      lines_.allowForBrightness(references, count, candidate - farther, brightnessRows(contact),
+                                brightness_);
     kernels::climbSupport(lines_.paths(), count, terms, part.begin, part.end, support.begin, least,
                           climb);
   }
   if (climb.best < least) return 0.0F;
   top = static_cast<std::int16_t>(climb.best_row);
   return static_cast<float>(climb.best) / static_cast<float>(kernels::cost_unit * count);
+}
+
+void VerticalSweep::fetch(const SweepReference* references, int count, int candidate) const {
+  if (brightness_ > 0)
+    lines_.fetchBrightness(references, std::min(count, max_references), candidate,
+                           brightnessRows(first_row_ + candidate));
 }
 
 float VerticalSweep::offered(const SweepReference* references, int count, int beam, int candidate) {
@@ -256,7 +262,10 @@ void VerticalSweep::evaluateBeam(const SweepReference* references, int count, in
     best = std::max(best, score[c]);
   };
   const int last = (candidates_ - 1) / search_step_ * search_step_;
-  for (int c = last; c >= 0; c -= search_step_) exact(c);
+  for (int c = last; c >= 0; c -= search_step_) {
+    fetch(references, count, c - search_step_);
+    exact(c);
+  }
   best = 0.0F;
   for (int c = last; search_step_ > 1 && c > 0; c -= search_step_) {
     const int before = c - search_step_;

@@ -163,7 +163,10 @@ TEST(SweepCostKernels, MeanOfAWindowIsThatOfTheResidualsInIt) {
     for (const int line : {0, 1, 2}) accumulate(line, 1);
     accumulate(0, -1);
     std::vector<std::int16_t> mean(rows + kernels::overrun);
-    kernels::windowMean(sum.data() + half, number.data() + half, half, rows, mean.data());
+    std::vector<std::int32_t> sums(sum.size() + 1), numbers(sums.size());
+    kernels::prefixSums(sum.data(), rows + 2 * half, sums.data());
+    kernels::prefixSums(number.data(), rows + 2 * half, numbers.data());
+    kernels::windowMean(sums.data(), numbers.data(), 2 * half + 1, rows, mean.data());
     for (int i = 0; i < rows; ++i) {
       double total = 0.0;
       int there = 0;

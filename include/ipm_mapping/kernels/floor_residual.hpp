@@ -28,9 +28,9 @@ void pathResidual(ImageView<const std::uint16_t> pairs, const std::int32_t* row,
 void accumulateResidual(const std::int16_t* residual, int sign, int count, std::int32_t* sum,
                         std::int32_t* number);
 
-/// mean[i] = sum over the window / number over the window, rows i - half ... i + half of what
-/// accumulateResidual() has left there; 0 where the window is empty.
-void windowMean(const std::int32_t* sum, const std::int32_t* number, int half, int count,
+/// mean[i] = sum over a window of `width` rows from i on / number over it, of which `sums` and
+/// `numbers` are prefixSums(); 0 where the window is empty.
+void windowMean(const std::int32_t* sums, const std::int32_t* numbers, int width, int count,
                 std::int16_t* mean);
 
 /// squares[i] = t^2 with t = min(|e| weight / 2^16, cap), e the smaller of the residual and the

@@ -53,6 +53,9 @@ class CandidateLines {
                           RowRange patch, std::int32_t most);
   /// It has not.
   void sameBrightness(int count);
+  /// Brings what allowForBrightness() will read of a candidate near, while another one is worked on.
+  void fetchBrightness(const SweepReference* references, int count, int candidate,
+                       RowRange patch) const;
 
   [[nodiscard]] const kernels::EvidencePath* paths() const { return paths_.data(); }
 

@@ -69,6 +69,7 @@ class FloorCost {
   std::vector<RowRange> compared_;  // rows of every line that both views see
   Image<std::int16_t> residual_;
   std::vector<std::int32_t> sum_, number_;  // over the lines of a window, half_rows_ of margin
+  std::vector<std::int32_t> sum_before_, number_before_;  // of the rows before each row
   std::vector<std::int16_t> mean_;          // of a line
   std::vector<std::uint16_t> squares_;
 };

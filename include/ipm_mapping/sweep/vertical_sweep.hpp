@@ -45,6 +45,9 @@ class VerticalSweep {
   float offered(const SweepReference* references, int count, int beam, int candidate);
   /// Prepares leaningScore() and evidence() for the candidates of one beam.
   void aimBeam(const CurrentView& current, const SweepReference* references, int count, int beam);
+  /// Brings what the score of a candidate of the aimed beam is made of near: the sums that its
+  /// brightness is taken from do not fit a core's own memory.
+  void fetch(const SweepReference* references, int count, int candidate) const;
   /// Score of a surface that stands on the floor at a candidate of the aimed beam, of which
   /// offered() was asked last, and leans away by lean_slopes[slope]; less than `least_score` may be
   /// given as 0.
@@ -90,6 +93,9 @@ class VerticalSweep {
   }
   [[nodiscard]] int fartherBy(int candidate, double lean, int row) const;
   void tabulateLeaning();
+  [[nodiscard]] RowRange brightnessRows(int contact) const {
+    return {contact - brightness_rows_, contact};
+  }
   float scoreOf(const SweepReference* references, int count, int beam, int candidate, int slope,
                 std::int32_t least, std::int16_t& top);
   void evaluateBeam(const SweepReference* references, int count, int beam, std::int32_t least,
