@@ -131,10 +131,13 @@ void FreeFloor::belowTheView(const SE2& T_floor_base, double seconds, Obstacles&
                     remembered_.end());
 }
 
-/// The place's own, or room for it: that of the oldest where there is no more.
-FreeFloor::Remembered& FreeFloor::slotFor(const Eigen::Vector2d& p_floor) {
-  const auto known = std::find_if(remembered_.begin(), remembered_.end(), [&](const auto& point) {
-    return (point.p_floor - p_floor).squaredNorm() < same_place * same_place;
+/// That of the same line, or room for it: that of the oldest where there is no more.
+FreeFloor::Remembered& FreeFloor::slotFor(const Remembered& line) {
+  const auto same = [](const Eigen::Vector2d& p, const Eigen::Vector2d& q) {
+    return (p - q).squaredNorm() < same_place * same_place;
+  };
+  const auto known = std::find_if(remembered_.begin(), remembered_.end(), [&](const auto& other) {
+    return same(other.p_floor, line.p_floor) && same(other.next_floor, line.next_floor);
   });
   if (known != remembered_.end()) return *known;
   if (remembered_.size() < most_remembered) return remembered_.emplace_back();
@@ -151,10 +154,10 @@ void FreeFloor::remember(const SE2& T_floor_base, double seconds, const Obstacle
     const Contact& next = contacts[std::min(k + 1, contacts.size() - 1)];
     const bool goes_on = !next.moving && next.bearing <= contact.bearing + beside &&
                          (next.p_base - contact.p_base).norm() < parameters_.free_gap;
-    const Eigen::Vector2d p_floor = T_floor_base * Eigen::Vector2d(contact.p_base.cast<double>());
-    slotFor(p_floor) = {
-        p_floor, T_floor_base * Eigen::Vector2d((goes_on ? next : contact).p_base.cast<double>()),
-        seconds};
+    const Remembered line{
+        T_floor_base * Eigen::Vector2d(contact.p_base.cast<double>()),
+        T_floor_base * Eigen::Vector2d((goes_on ? next : contact).p_base.cast<double>()), seconds};
+    slotFor(line) = line;
   }
 }
 

@@ -111,7 +111,6 @@ void SweepDetector::reset() {
   lone_contact_.reset();
   moving_.reset();
   seen_any_ = false;
-  stood_ = 0.0;
 }
 
 void SweepDetector::rectify(const Frame& frame) {

@@ -95,6 +95,7 @@ class Come : public ::testing::Test {
     Obstacles obstacles;
     obstacles.view.T_base_camera = T_base_camera;
     obstacles.view.stamp = stamp;
+    obstacles.max_range = looked_to;
     for (int beam = 0; beam < sweep.beams(); ++beam) {
       Bearing bearing;
       bearing.angle = static_cast<float>(sweep.azimuth(beam));
@@ -141,6 +142,7 @@ class Come : public ::testing::Test {
   MovingObstacle moving;
   float taken_at = 30.0F;  // candidate
   bool taken_doubtful = false;
+  double looked_to = 10.0;  // metres from base
   double clock = 2.0, between_sights = 0.1;
   std::array<Image<std::uint16_t>, 2> cost;
   std::array<SweepReference, 2> references;
@@ -161,6 +163,25 @@ TEST_F(Come, OneReferenceThatSawItFreeIsEnough) {
   sawFree(1.0, {0.15, 0.0, 0.0}, [](int) { return 0.8; });
   for (const std::size_t q : {0U, 1U}) noFloor(q, 12, 20, candidateAt(1.2));
   EXPECT_EQ(found({0.3, 0.0, 0.0}), from(12, 20));
+}
+
+/// Somebody may stand where free floor ends, unless it ends because nobody looks farther.
+TEST_F(Come, TheEndOfFreeFloorIsNotSurelyFree) {
+  const int middle = sweep.beams() / 2;
+  const auto comes_before_the_end = [&](double metres) {
+    moving.reset();
+    sawFree(1.0, {0.15, 0.0, 0.0}, [](int) { return 1.5; });
+    for (Image<std::uint16_t>& image : cost)
+      std::fill(image.row(0), image.row(image.height()), std::uint16_t{0});
+    for (const std::size_t q : {0U, 1U})
+      noFloor(q, middle - 2, middle + 3, candidateAt(1.35 - 0.03 - metres));
+    return !found({0.3, 0.0, 0.0}).empty();
+  };
+  EXPECT_TRUE(comes_before_the_end(0.15));
+  EXPECT_FALSE(comes_before_the_end(0.075));
+  looked_to = 1.5 + T_base_camera.translation().x();
+  EXPECT_TRUE(comes_before_the_end(0.075));
+  EXPECT_FALSE(comes_before_the_end(0.025));
 }
 
 TEST_F(Come, NothingWhereNeitherSawFloor) {

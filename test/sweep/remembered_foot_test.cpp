@@ -126,8 +126,7 @@ TEST_F(Remembered, AFastCameraDoesNotShortenIt) {
   const int known = look(12.9);
   configure();
   see(10.0);
-  for (int k = 1; k <= 500; ++k)
-    see(10.0 + 0.005 * k, first, (first + last) / 2, false, false);
+  for (int k = 1; k <= 500; ++k) see(10.0 + 0.005 * k, first, (first + last) / 2, false, false);
   EXPECT_EQ(look(12.9), known);
 }
 

@@ -40,7 +40,7 @@ class Standing : public ::testing::Test {
     return double{ahead().range} + drive->scene.T_base_camera.translation().x();
   }
 
-  const double end = 0.5;
+  double end = 0.5;
   double heading = 0.0;
   std::unique_ptr<test::Drive> drive;
   Obstacles used;  // answer on arriving
@@ -136,6 +136,48 @@ TEST_F(Standing, AnswersAtOnceWhenItDrivesOn) {
       EXPECT_GT(drive->obstacles.contacts.size(), 10U);
       EXPECT_EQ(drive->obstacles.age, 0.0F);
     }
+  }
+}
+
+/// Nor do several stops on the way add up.
+TEST_F(Standing, StopsAgain) {
+  start();
+  drive->scene.boxes = {{1.7, 1.85, -0.25, 0.3, 0.4}};
+  arrive();
+  for (int stop = 0; stop < 3; ++stop) {
+    for (double t = 0.0; t < 10.0; t += 1.0) ASSERT_EQ(stand(1.0), FrameStatus::Watched) << stop;
+    end += 0.025;
+    ASSERT_EQ(stand(), FrameStatus::Used) << stop;
+  }
+}
+
+TEST_F(Standing, DoesNotForgetWhatStandsBelowTheView) {
+  start();
+  end = 0.85;
+  drive->scene.boxes = {{1.1, 1.14, -0.3, 0.3, 0.1}};
+  ASSERT_EQ(drive->along(0.0, end, 34), FrameStatus::Used);
+  ASSERT_EQ(ahead().state, BearingState::Blocked);
+  for (int k = 0; k < 6; ++k) {
+    ASSERT_EQ(stand(10.0), FrameStatus::Watched);
+    EXPECT_EQ(ahead().state, BearingState::Blocked) << k;
+  }
+}
+
+/// What is seen again and again out of the same views has not been seen twice.
+TEST_F(Standing, DoesNotComeToBelieveALoneContact) {
+  for (const int frames : {1, 16}) {
+    SweepParameters parameters = test::smallParameters();
+    parameters.selection.lone_frames = parameters.selection.lone_of = frames;
+    parameters.moving.moving_score = 0.0;
+    start(parameters);
+    drive->scene.boxes = {{1.4, 1.42, -0.012, 0.012, 0.9}};
+    ASSERT_EQ(drive->along(0.35, end, 12), FrameStatus::Used);
+    int seen = 0;
+    for (int k = 0; k < 20; ++k) {
+      ASSERT_EQ(stand(), FrameStatus::Watched);
+      seen += drive->obstacles.contacts.empty() ? 0 : 1;
+    }
+    EXPECT_EQ(seen, frames == 1 ? 20 : 0);
   }
 }
 

@@ -345,6 +345,24 @@ class OfflineMapper(unittest.TestCase):
         with open(os.path.join(self.out, "report.json"), encoding="utf-8") as file:
             self.assertEqual(json.load(file)["frames"]["used"], 0)
 
+    def test_a_robot_that_stops_looks_on_which_is_nothing_for_map_and_tables(self):
+        write_bag(self.bag, info=True, frames=30, way=lambda t: min(0.25 * t, 0.45))
+        maps, frames = [], []
+        for options in ([], ["--standing"], ["--set", "sweep/watch=0"]):
+            result = self.run_it(self.bag, "--out", self.out, self.pose, *options)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            with open(os.path.join(self.out, "report.json"), encoding="utf-8") as file:
+                counted = json.load(file)["frames"]
+            maps.append(open(os.path.join(self.out, "map.pgm"), "rb").read())
+            with open(os.path.join(self.out, "obstacles.csv"), encoding="ascii") as file:
+                frames.append(sorted({int(row["frame"]) for row in csv.DictReader(file)}))
+            reason = "no_motion" if "sweep/watch=0" in options else "watched"
+            self.assertEqual(counted["skipped"][reason], 30 - 19)
+        self.assertEqual(len(set(maps)), 1)
+        self.assertEqual(frames[0], frames[2])
+        self.assertEqual(frames[0][-1], 18)
+        self.assertEqual(frames[1], frames[0] + list(range(19, 30)))
+
     def test_wrong_usage_exits_with_2(self):
         self.refused(2, "--out", self.bag)
         self.refused(2, "profile", self.bag, "--out", self.out, "--profile", "nonsense")

@@ -42,7 +42,7 @@ class FreeFloor {
   void betweenContacts(Obstacles& obstacles) const;
   void belowTheView(const SE2& T_floor_base, double seconds, Obstacles& obstacles);
   void remember(const SE2& T_floor_base, double seconds, const Obstacles& obstacles);
-  [[nodiscard]] Remembered& slotFor(const Eigen::Vector2d& p_floor);
+  [[nodiscard]] Remembered& slotFor(const Remembered& line);
 
   FreeFloorParameters parameters_;
   std::vector<Remembered> remembered_;
