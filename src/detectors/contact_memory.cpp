@@ -90,22 +90,30 @@ void ContactMemory::clear() {
 }
 
 bool ContactMemory::follow(const Frame& frame, FrameStatus status, Obstacles& obstacles) {
-  if (status == FrameStatus::Used || status == FrameStatus::Watched) {
+  const bool watched = status == FrameStatus::Watched;
+  if (status == FrameStatus::Used || watched) {
     confirmation_.apply(obstacles);
     if (parameters_.hold > 0.0) remember(obstacles);
-    if (status == FrameStatus::Used || !(parameters_.hold > 0.0)) return true;
+    if (!watched || !(parameters_.hold > 0.0)) return true;
   }
-  return nothingNew(status) && recall(frame, obstacles);
+  if (!nothingNew(status) || !recall(frame, obstacles)) return false;
+  if (watched) latest().carry(obstacles.contacts);  // older views of a long stop go
+  return true;
 }
 
 /// 0: the newest.
-const RememberedView& ContactMemory::view(int back) const {
-  return views_[static_cast<std::size_t>((next_ - 1 - back + 2 * capacity) % capacity)];
-}
+const RememberedView& ContactMemory::view(int back) const { return views_[slot(back)]; }
 
-/// The newest view is always kept; of the ones before it, one for every piece of the way or turn.
+/// The newest view is always kept; of the ones before it, one for every piece of the way or turn,
+/// and the one before of a robot that looks on.
 void ContactMemory::remember(const Obstacles& seen) {
-  if (known_ >= 2) {
+  if (known_ >= 2 && seen.age > 0.0F && view(0).looksOn()) {
+    if (view(1).looksOn()) {
+      std::swap(views_[slot(0)], views_[slot(1)]);
+      next_ = (next_ + capacity - 1) % capacity;
+      --known_;
+    }
+  } else if (known_ >= 2) {
     const SE2 &a = view(0).ground().T_odom_base, &b = view(1).ground().T_odom_base;
     const bool alike = distanceBetween(a, b) < parameters_.hold_distance / (capacity - 2) &&
                        std::abs(wrapAngle(a.theta - b.theta)) < own_turn;
@@ -216,7 +224,8 @@ void ContactMemory::recallContacts(const Frame& frame, int back, Obstacles& obst
     if (!bearing || p_base.norm() > obstacles.max_range) continue;
     contact.bearing = static_cast<int>(*bearing);
     contact.p_base = p_base.cast<float>();
-    contact.age = std::max(least_age, static_cast<float>(frame.stamp - seen.stamp));
+    contact.age = std::max(least_age, contact.age + static_cast<float>(frame.stamp - seen.stamp));
+    if (double{contact.age} > parameters_.hold) continue;
     const Eigen::Vector2d pixel = floor.pixel(p_base).value_or(Eigen::Vector2d::Zero());
     contact.u = static_cast<float>(pixel.x());
     contact.v = static_cast<float>(pixel.y());

@@ -172,9 +172,10 @@ void OfflineRun::process(const FrameGate<std::pair<std::uint64_t, GrayPicture>>:
                          floor_odometry_.add(floorObservation(detector_, now, status))});
   if (parameters_.floor_odometry.poses == Poses::Refined)
     obstacles_.view.T_odom_base = floor_odometry_.pose().T_odom_base;
+  if (status == FrameStatus::Used || status == FrameStatus::Watched)
+    confirmation_.apply(obstacles_);
   if (status == FrameStatus::Used) {
     for (const StageTime& time : detector_.stageTimes()) report_.addStage(time.stage, time.seconds);
-    confirmation_.apply(obstacles_);
     const auto before_map = Clock::now();
     map_.update(obstacles_);
     report_.addStage("map", secondsSince(before_map));

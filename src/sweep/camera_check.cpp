@@ -37,6 +37,7 @@ void CameraCheck::setCamera(const CameraModel& camera, const CameraPose& T_base_
 void CameraCheck::reset() {
   ring_.clear();
   calibration_.reset();
+  going_.reset();
 }
 
 std::optional<CalibrationReport> CameraCheck::calibration() const { return calibration_.report(); }
@@ -57,6 +58,7 @@ FrameStatus CameraCheck::process(const Frame& frame, Obstacles& obstacles) {
   current_.velocity = frame.velocity;
   current_.stamp = frame.stamp;
   current_.time_offset = frame.time_offset;
+  current_.went = going_.add(current_, frame.stamp);
   // A short drive may end before the estimate is confident: it has its picture all the same.
   const bool first_look = view_.picture.empty();
   if (calibration_.offer(current_, ring_) && (calibration_.confident() || first_look))

@@ -15,10 +15,15 @@ constexpr int block = 8;               // rows and lines between exact positions
 constexpr float node_unit = 1024.0F;   // of positions at nodes
 constexpr double fixed_one = 16384.0;  // of gain and offset
 constexpr double least_gain = 0.5, most_gain = 1.5;
+constexpr double most_offset = 64.0;              // grey levels
 constexpr double node_reach = 0.3;                // radians that nodes may lie beside the view
 constexpr std::int32_t out_of_view = -(1 << 26);  // nothing between it and the view is seen
 
 }  // namespace
+
+bool Photometric::withinBounds() const {
+  return gain >= least_gain && gain <= most_gain && std::abs(offset) <= most_offset;
+}
 
 std::int32_t Photometric::fixedGain() const {
   return static_cast<std::int32_t>(
@@ -26,7 +31,8 @@ std::int32_t Photometric::fixedGain() const {
 }
 
 std::int32_t Photometric::fixedOffset() const {
-  return static_cast<std::int32_t>(std::lround(fixed_one * std::clamp(offset, -64.0, 64.0)));
+  return static_cast<std::int32_t>(
+      std::lround(fixed_one * std::clamp(offset, -most_offset, most_offset)));
 }
 
 void FloorCost::configure(const PolarGrid& grid, const std::vector<RowRange>& reference_rows,

@@ -67,7 +67,7 @@ const FloorPose& FloorOdometry::add(const FloorObservation& now) {
   }
   started_ = true;
   last_ = place;
-  if (now.reference) remember(place);
+  remember(place, now.reference);
   publish(place);
   return pose_;
 }
@@ -99,7 +99,7 @@ FloorOdometry::Correction FloorOdometry::correct(const Place& reference,
   const SE2 odometry = odometryBetween(reference, now);
   const Eigen::Matrix3d R = turnedBy(-odometry.theta);
   return {logarithm(odometry.inverse() * motion.motion), R * motion.covariance * R.transpose(),
-          now.stamp - reference.stamp};
+          now.going - reference.going};
 }
 
 void FloorOdometry::followWheels(Place& now) const {
@@ -136,7 +136,12 @@ void FloorOdometry::extend(const Place& from, const SE2& delta, const Eigen::Mat
   now.by_turn = J * from.by_turn + T.norm() * Eigen::Vector3d(-0.5 * T.y(), 0.5 * T.x(), 1.0);
 }
 
-void FloorOdometry::remember(const Place& now) {
+void FloorOdometry::remember(const Place& now, Kept kept) {
+  if (kept == Kept::No) return;
+  if (kept == Kept::InPlaceOfNewest && used_ > 0) {
+    references_[(next_ + references_.size() - 1) % references_.size()] = now;
+    return;
+  }
   references_[next_] = now;
   next_ = (next_ + 1) % references_.size();
   used_ = std::min(used_ + 1, references_.size());

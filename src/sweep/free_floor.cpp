@@ -123,7 +123,7 @@ void FreeFloor::belowTheView(const SE2& T_floor_base, double seconds, Obstacles&
     const int seen = bearingAt(obstacles.bearings, *i);
     if (seen >= 0 &&
         p.norm() > seen_again * obstacles.bearings[static_cast<std::size_t>(seen)].near)
-      return age > flicker;
+      return obstacles.view.stamp - point.stamp > flicker;
     block(obstacles.bearings, *i, p, *j, q);
     return false;
   };
@@ -131,13 +131,15 @@ void FreeFloor::belowTheView(const SE2& T_floor_base, double seconds, Obstacles&
                     remembered_.end());
 }
 
-/// That of the same line, or room for it: that of the oldest where there is no more.
+/// That of the same line in an earlier frame, or room for it: that of the oldest where there is no
+/// more. Lines of one frame lie closer together, and each of them counts.
 FreeFloor::Remembered& FreeFloor::slotFor(const Remembered& line) {
   const auto same = [](const Eigen::Vector2d& p, const Eigen::Vector2d& q) {
     return (p - q).squaredNorm() < same_place * same_place;
   };
   const auto known = std::find_if(remembered_.begin(), remembered_.end(), [&](const auto& other) {
-    return same(other.p_floor, line.p_floor) && same(other.next_floor, line.next_floor);
+    return other.stamp < line.stamp && same(other.p_floor, line.p_floor) &&
+           same(other.next_floor, line.next_floor);
   });
   if (known != remembered_.end()) return *known;
   if (remembered_.size() < most_remembered) return remembered_.emplace_back();
@@ -156,7 +158,8 @@ void FreeFloor::remember(const SE2& T_floor_base, double seconds, const Obstacle
                          (next.p_base - contact.p_base).norm() < parameters_.free_gap;
     const Remembered line{
         T_floor_base * Eigen::Vector2d(contact.p_base.cast<double>()),
-        T_floor_base * Eigen::Vector2d((goes_on ? next : contact).p_base.cast<double>()), seconds};
+        T_floor_base * Eigen::Vector2d((goes_on ? next : contact).p_base.cast<double>()), seconds,
+        obstacles.view.stamp};
     slotFor(line) = line;
   }
 }

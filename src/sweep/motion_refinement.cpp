@@ -17,7 +17,9 @@ constexpr double cauchy = 2.0;  // standard deviations at which odometry's say i
 constexpr double median_to_sigma = 1.48;
 constexpr double converged = 5e-5;      // metres and radians
 constexpr double linear_within = 0.03;  // camera heights, radians: beyond it positions are redone
-constexpr int margin = 3;               // rows that a sample keeps from the edge of the view
+constexpr float brightest = 255.0F;
+constexpr float clearly = 0.33F;  // of another fit's deviation
+constexpr int margin = 3;         // rows that a sample keeps from the edge of the view
 
 // Places of the unknowns.
 constexpr int x_at = 0, y_at = 1, theta_at = 2, pitch_at = 3, roll_at = 4, gain_at = 5,
@@ -254,10 +256,16 @@ void MotionRefinement::step(const Prior& prior, const SE2& base, Correction& cor
   state.covariance = solver.solve(Normal::Identity()).topLeftCorner<3, 3>();
 }
 
+double MotionRefinement::medianOf(const std::vector<float>& grey) {
+  return kernels::medianDeviation({grey.data(), grey.data(), 0.0F, 0.0F, samples_.count}, brightest,
+                                  samples_.deviation.data());
+}
+
 /// Gain and offset on the plain images, the motion being settled.
-void MotionRefinement::fitBrightness(RefinedMotion& state) {
+void MotionRefinement::fitBrightness(double gain, RefinedMotion& state) {
   constexpr int rounds = 3;
   state.photometric = {};
+  state.photometric.gain = gain;
   state.sigma = first_spread;
   const Prior prior(parameters_, state.motion, 0.0);
   for (int round = 0; round < rounds; ++round) {
@@ -274,13 +282,31 @@ void MotionRefinement::fitBrightness(RefinedMotion& state) {
   }
 }
 
+/// Lamps and automatic exposure may change more than what counts as an outlier. Then the search
+/// begins a second time at the gain of the middle floor point; that may be one of somebody who has
+/// come, so only a clearly better fit is taken.
+void MotionRefinement::fitBrightness(RefinedMotion& state) {
+  fitBrightness(1.0, state);
+  if (state.sigma < most_spread) return;
+  const double before = medianOf(samples_.warped);
+  const double gain = before > 0.0 ? medianOf(samples_.current) / before : 1.0;
+  if (std::abs(gain - 1.0) <= parameters_.sd_gain) return;
+  const auto deviation = [&](const RefinedMotion& fit) {
+    return kernels::medianDeviation(residual(fit.photometric, false), brightest,
+                                    samples_.deviation.data());
+  };
+  RefinedMotion other = state;
+  fitBrightness(gain, other);
+  if (deviation(other) < clearly * deviation(state)) state = other;
+}
+
 RefinedMotion MotionRefinement::refine(const RectifiedFrame& current,
                                        const RectifiedFrame& reference, const SE2& odometry,
                                        const SE2& start) {
   RefinedMotion state;
   state.motion = parameters_.refine ? start : odometry;
   state.sigma = first_spread;
-  const Prior prior(parameters_, odometry, current.stamp - reference.stamp);
+  const Prior prior(parameters_, odometry, current.went - reference.went);
   SE2 base = state.motion;
   Correction correction = Correction::Zero();
   linearize(current, reference, base);

@@ -22,23 +22,27 @@ void ReferenceRing::configure(const PolarGrid& grid, const SweepReferenceParamet
   next_ = used_ = 0;
 }
 
-const RectifiedFrame& ReferenceRing::newest(int back) const {
+std::size_t ReferenceRing::slot(int back) const {
   const int size = static_cast<int>(frames_.size());
-  return frames_[static_cast<std::size_t>((next_ - 1 - back + 2 * size) % size)];
+  return static_cast<std::size_t>((next_ - 1 - back + 2 * size) % size);
 }
 
-bool ReferenceRing::offer(RectifiedFrame& frame) {
-  if (used_ > 0) {
-    const SE2& last = newest(0).T_odom_base;
-    if (distanceBetween(last, frame.T_odom_base) < spacing_ &&
-        turnBetween(last, frame.T_odom_base) < turn_spacing)
-      return false;
+Kept ReferenceRing::offer(RectifiedFrame& frame) {
+  const auto beside = [this](const SE2& a, const SE2& b) {
+    return distanceBetween(a, b) < spacing_;
+  };
+  if (used_ > 0 && beside(newest(0).T_odom_base, frame.T_odom_base)) {
+    if (turnBetween(newest(0).T_odom_base, frame.T_odom_base) < turn_spacing) return Kept::No;
+    if (used_ > 1 && beside(newest(1).T_odom_base, newest(0).T_odom_base)) {
+      std::swap(frames_[slot(0)], frame);
+      return Kept::InPlaceOfNewest;
+    }
   }
   const int size = static_cast<int>(frames_.size());
   std::swap(frames_[static_cast<std::size_t>(next_)], frame);
   next_ = (next_ + 1) % size;
   used_ = std::min(used_ + 1, size);
-  return true;
+  return Kept::Added;
 }
 
 const RectifiedFrame* ReferenceRing::firstBeyond(const RectifiedFrame& current,

@@ -6,9 +6,8 @@
 namespace ipm_mapping::sweep {
 namespace {
 
-constexpr std::size_t most_known = 6400;  // all beams
-constexpr double most_frames = 100.0;     // within foot_memory: faster cameras see the same again
-constexpr double same_place = 5.0;        // candidates
+constexpr double most_frames = 100.0;  // within foot_memory: faster cameras see the same again
+constexpr double same_place = 5.0;     // candidates
 
 }  // namespace
 
@@ -18,7 +17,7 @@ void RememberedFoot::configure(const VerticalSweep& sweep, const FreeFloorParame
   edge_.configure(sweep, free_floor, parameters);
   grid_ = sweep.scoreGrid();
   known_.clear();
-  known_.reserve(most_known);
+  known_.reserve(static_cast<std::size_t>(most_frames) * static_cast<std::size_t>(sweep.beams()));
   newest_.resize(static_cast<std::size_t>(sweep.beams()));
 }
 
@@ -56,7 +55,9 @@ void RememberedFoot::remember(const ComparedFrame& frame, const SE2& T_floor_foo
     const int b = static_cast<int>(beam);
     const float contrast = FootEdge::contrastAt(frame, b, choice);
     if (std::abs(contrast) < static_cast<float>(parameters_.foot_contrast)) continue;
-    if (known_.size() == most_known) known_.erase(known_.begin(), known_.begin() + most_known / 8);
+    if (known_.size() == known_.capacity())
+      known_.erase(known_.begin(),
+                   known_.begin() + static_cast<std::ptrdiff_t>(known_.size() / 8 + 1));
     const int support = static_cast<int>(frame.sweep.sweepRow(choice.candidate)) - choice.top;
     known_.push_back({T_floor_foot * grid_.point(b, double{choice.candidate}),
                       seconds,

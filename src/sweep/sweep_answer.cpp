@@ -134,10 +134,12 @@ void SweepDetector::fillCandidates(Obstacles& obstacles) const {
 void SweepDetector::fillObstacles(const CurrentView& current, Obstacles& obstacles) {
   obstacles.view.motion = motions_[0].motion;
   obstacles.focus = midFootFocus(vanishingPoints(obstacles.view));
+  floor_beams_ = 0;
   fillCandidates(obstacles);
   for (int beam = 0; beam < sweep_.beams(); ++beam) {
     const BeamChoice& choice = choices_[static_cast<std::size_t>(beam)];
     Bearing bearing = floorBearing(beam);
+    if (bearing.state == BearingState::Free) ++floor_beams_;
     bearing.density = choice.score;
     const double limit = rangeLimit(sweep_.azimuth(beam));
     if (choice.any()) {

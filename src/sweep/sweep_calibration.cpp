@@ -60,8 +60,10 @@ bool SweepDetector::adopt(const Detector& before) {
   const double most = calibration_.mostTimeOffset();
   if (known && learn_time_offset_) time_offset_ = std::clamp(other->time_offset_, -most, most);
   free_floor_.adopt(other->free_floor_);
+  stood_ = stood_before_ = other->stood_;  // its clock
   last_ = other->last_;
   T_floor_last_ = other->T_floor_last_;
+  chain_offset_ = other->chain_offset_;
   return true;
 }
 
@@ -75,8 +77,10 @@ void SweepDetector::applyTimeOffset() {
 }
 
 /// Floor poses that were chained up with other stamps lead elsewhere, and the search for the next
-/// motion begins with them: odometry with the right ones is better.
+/// motion begins with them: odometry with the right ones is better. While the robot stands that is
+/// put off, for what was free is known in them too.
 void SweepDetector::chainAnew() {
+  chain_offset_ = current_.time_offset;
   ring_.forEach([this](RectifiedFrame& frame) {
     frame.T_floor_base = current_.T_floor_base * odometryBetween(frame, current_).inverse();
   });

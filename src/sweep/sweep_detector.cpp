@@ -15,6 +15,7 @@ double now() {
 }
 
 constexpr int expected_stages = 10;
+constexpr double rest = 0.25;  // seconds without motion after which a robot stands
 
 }  // namespace
 
@@ -111,6 +112,7 @@ void SweepDetector::reset() {
   lone_contact_.reset();
   moving_.reset();
   seen_any_ = false;
+  going_.reset();
 }
 
 void SweepDetector::rectify(const Frame& frame) {
@@ -149,14 +151,15 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
   current_.T_odom_base = frame.T_odom_base;
   current_.stamp = frame.stamp;
   current_.time_offset = frame.time_offset;
+  current_.went = going_.add(current_, frame.stamp);
   const bool moved = hasMoved();
   current_.T_floor_base = T_floor_last_ * odometryBetween(last_, current_);
-  if (current_.time_offset != last_.time_offset) chainAnew();
+  if (moved && current_.time_offset != chain_offset_) chainAnew();
   lap("rectification");
-  const FrameStatus status = findReferences(moved);
+  const SE2 T_floor_base = current_.T_floor_base;
+  FrameStatus status = findReferences(moved);
   const bool used = status == FrameStatus::Used;
-  const bool answered = used || status == FrameStatus::Watched;
-  if (answered) {
+  if (used || status == FrameStatus::Watched) {
     fillView(frame, obstacles);
     splitCurrent();
     const CurrentView view{current_grey_.view(), weight_.view(), &noise_.sweepRows(),
@@ -175,16 +178,33 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
     lap("known_feet");
     fillObstacles(view, obstacles);
     lap("answer");
+    if (used) {
+      floor_beams_before_ = floor_beams_;
+    } else if (!floorIsTheSame()) {
+      obstacles.clear();
+      current_.T_floor_base = T_floor_base;
+      status = FrameStatus::NoMotion;
+    }
   }
   last_ = static_cast<const OdometryOfFrame&>(current_);
   T_floor_last_ = current_.T_floor_base;
   learnCalibration();
   kept_ = ring_.offer(current_);
-  if (kept_ && answered) moving_.remember(footAt(T_floor_last_), obstacles);
+  if (kept_ != Kept::No && !obstacles.bearings.empty())
+    moving_.remember(footAt(T_floor_last_), obstacles);
   applyCalibration();
   applyReadout();
   applyTimeOffset();
   return status;
+}
+
+/// While a robot stands nearly all of the floor it saw stays in view. Where that is gone it has
+/// been pushed, and its wheels do not say so, or the light has changed.
+bool SweepDetector::floorIsTheSame() const {
+  constexpr int least_beams = 8;  // fewer say nothing
+  constexpr double least_share = 0.25;
+  if (!motions_[0].photometric.withinBounds()) return false;
+  return floor_beams_before_ < least_beams || floor_beams_ >= least_share * floor_beams_before_;
 }
 
 /// The sweep's own contacts. They mask the floor for the next motion; guesses must not.
@@ -215,7 +235,7 @@ bool SweepDetector::hasMoved() {
     stopped_ = current_.stamp;
     stood_before_ = stood_;
   } else {
-    stood_ = stood_before_ + std::min(current_.stamp - stopped_, p.watch);
+    stood_ = stood_before_ + std::clamp(current_.stamp - stopped_ - rest, 0.0, p.watch);
   }
   seen_any_ = true;
   current_.stood = stood_;
@@ -226,7 +246,8 @@ bool SweepDetector::hasMoved() {
 FrameStatus SweepDetector::findReferences(bool moved) {
   const SweepReferenceParameters& p = parameters_.reference;
   reference_count_ = 0;
-  if (!moved && !(current_.stamp - stopped_ <= p.watch)) return FrameStatus::NoMotion;
+  const double rested = current_.stamp - stopped_ - rest;
+  if (!moved && !(rested >= 0.0 && rested <= p.watch)) return FrameStatus::NoMotion;
   const double height = grid_.height, longer = p.long_baseline * height;
   const auto take = [&](double baseline) {
     const RectifiedFrame* found = ring_.find(current_, baseline);

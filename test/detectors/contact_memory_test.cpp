@@ -143,6 +143,25 @@ TEST_F(Memory, WhatALookerOnMissesIsHeldUntilFloorIsSeenThere) {
   EXPECT_TRUE(recalled.contacts.empty());
 }
 
+TEST_F(Memory, OfALookerOnReachesBackAsFarAsEverHoweverLongItStands) {
+  see({}, start);
+  const std::size_t all = views.back().contacts.size();
+  const auto blind = [](Obstacles& seen) {
+    seen.contacts.clear();
+    for (Bearing& bearing : seen.bearings)
+      if (bearing.state == BearingState::Occupied) bearing.state = BearingState::Unknown;
+  };
+  double t = start;
+  for (; t < start + 25.0; t += 0.5) lookOn({}, t + 0.5);
+  ASSERT_EQ(recalled.contacts.size(), all);
+  const double seen_last = t;
+  for (; t < seen_last + 9.0; t += 0.5) lookOn({}, t + 0.5, blind);
+  EXPECT_EQ(recalled.contacts.size(), all);
+  EXPECT_NEAR(recalled.contacts.front().age, t - seen_last, 0.01);
+  for (; t < seen_last + 11.0; t += 0.5) lookOn({}, t + 0.5, blind);
+  EXPECT_TRUE(recalled.contacts.empty());
+}
+
 TEST_F(Memory, WithoutItALookerOnTellsWhatItSees) {
   MemoryParameters none;
   none.hold = 0.0;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 #include "sweep/sweep_fixture.hpp"
 
 namespace ipm_mapping::test {
@@ -14,7 +16,11 @@ class Drive {
   FrameStatus at(const SE2& pose) { return at(pose, pose); }
   /// The robot is at a pose, its wheels say another one.
   FrameStatus at(const SE2& pose, const SE2& by_wheels) {
-    const Image<std::uint8_t> picture = scene.render(pose, sway);
+    Image<std::uint8_t> picture = scene.render(pose, sway);
+    if (light != 1.0)
+      std::transform(picture.row(0), picture.row(picture.height()), picture.row(0), [&](int grey) {
+        return static_cast<std::uint8_t>(std::min(255.0, light * grey));
+      });
     Frame frame;
     frame.index = index++;
     frame.stamp = 0.1 * static_cast<double>(frame.index);
@@ -40,7 +46,8 @@ class Drive {
   sweep::SweepDetector detector;
   Obstacles obstacles;
   std::uint64_t index = 0;
-  sweep::Sway sway;  // of the camera from now on
+  sweep::Sway sway;    // of the camera from now on
+  double light = 1.0;  // against before
   SE2 last;
 };
 

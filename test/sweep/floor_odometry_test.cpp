@@ -53,8 +53,8 @@ FloorPose follow(Drive& drive, FloorOdometry& odometry, int every = 1) {
   for (int k = 0; k < static_cast<int>(drive.wheels.size()); ++k) {
     const bool used = k >= window && k % every == 0;
     const RefinedMotion motion = used ? drive.floor(k - window, k) : RefinedMotion{};
-    odometry.add(
-        {period * k, drive.wheels[static_cast<std::size_t>(k)], used ? &motion : nullptr, true});
+    odometry.add({period * k, drive.wheels[static_cast<std::size_t>(k)], used ? &motion : nullptr,
+                  Kept::Added});
   }
   return odometry.pose();
 }
@@ -69,7 +69,7 @@ TEST(FloorOdometry, WithoutFloorItIsWheelOdometry) {
   Drive drive(40, 0.02, 1.05, 0.003, {1.0, -2.0, 0.5});
   FloorOdometry odometry;
   for (std::size_t k = 0; k < drive.wheels.size(); ++k) {
-    odometry.add({period * static_cast<double>(k), drive.wheels[k], nullptr, true});
+    odometry.add({period * static_cast<double>(k), drive.wheels[k], nullptr, Kept::Added});
     expectNear(odometry.pose().T_odom_base, drive.wheels[k], 1e-12, 1e-12);
   }
 }
@@ -106,8 +106,8 @@ TEST(FloorOdometry, AfterAStretchOnWheelsTheNextWindowIsCorrectedWhole) {
   for (int k = 0; k < 60; ++k) {
     const bool used = k >= window && (k < 20 || k >= 40);
     const RefinedMotion motion = used ? drive.floor(k - window, k) : RefinedMotion{};
-    odometry.add(
-        {period * k, drive.wheels[static_cast<std::size_t>(k)], used ? &motion : nullptr, true});
+    odometry.add({period * k, drive.wheels[static_cast<std::size_t>(k)], used ? &motion : nullptr,
+                  Kept::Added});
   }
   const double on_wheels = (40 - window - 19) * step;  // 19 -> 35 nothing was corrected
   EXPECT_NEAR(odometry.pose().T_odom_base.x, 59 * step + 0.1 * on_wheels, 1e-9);
@@ -127,7 +127,8 @@ TEST(FloorOdometry, StampsThatAreMovedAreNoErrorOfOdometry) {
     RefinedMotion named = motion;  // after the stamp that its reference came with
     if (k - window >= 20) named.reference_stamp += offset;
     const SE2 wheels = later(drive.wheels[static_cast<std::size_t>(k)], velocity, moved);
-    odometry.add({period * k + moved, wheels, used ? &named : nullptr, true, velocity, moved});
+    odometry.add(
+        {period * k + moved, wheels, used ? &named : nullptr, Kept::Added, velocity, moved});
     expectNear(odometry.pose().T_odom_base, wheels, 1e-9, 1e-9);
   }
 }
@@ -137,7 +138,7 @@ TEST(FloorOdometry, IgnoresAReferenceThatItDoesNotKnow) {
   FloorOdometry odometry;
   for (int k = 0; k < 12; ++k) {
     const RefinedMotion motion = drive.floor(std::max(0, k - window), k);
-    odometry.add({period * k, drive.wheels[static_cast<std::size_t>(k)], &motion, false});
+    odometry.add({period * k, drive.wheels[static_cast<std::size_t>(k)], &motion, Kept::No});
   }
   expectNear(odometry.pose().T_odom_base, drive.wheels.back(), 1e-12, 1e-12);
 }
@@ -223,12 +224,12 @@ TEST(FloorOdometry, StandingCostsNothingAndTurningOnTheSpotCostsHeading) {
   FloorOdometry odometry;
   const FloorPose before = follow(drive, odometry);
   SE2 pose = drive.wheels.back();
-  for (int k = 40; k < 300; ++k) odometry.add({period * k, pose, nullptr, false});
+  for (int k = 40; k < 300; ++k) odometry.add({period * k, pose, nullptr, Kept::No});
   EXPECT_TRUE(odometry.pose().covariance.isApprox(before.covariance, 1e-12));
   EXPECT_LT(odometry.pose().velocity.norm(), 1e-12);
   for (int k = 300; k < 310; ++k) {
     pose.theta += 0.1;
-    odometry.add({period * k, pose, nullptr, false});
+    odometry.add({period * k, pose, nullptr, Kept::No});
   }
   const MotionRefinementParameters wheels;
   const double added = wheels.sd_turn_share * 1.0 + wheels.sd_turn_rate * 1.0;
@@ -240,13 +241,49 @@ TEST(FloorOdometry, VelocityIsTheFloorsNotTheWheels) {
   Drive drive(40, 0.012, 1.1, 0.003);
   drive.floor_sd = {1e-6, 1e-6, 1e-6};
   FloorOdometry odometry;
-  const FloorPose& first = odometry.add({-period, drive.wheels.front(), nullptr, false});
+  const FloorPose& first = odometry.add({-period, drive.wheels.front(), nullptr, Kept::No});
   EXPECT_GT(first.velocity_covariance(0, 0), 1e3) << "one frame says nothing";
   const FloorPose pose = follow(drive, odometry);
   EXPECT_NEAR(pose.velocity.x(), step / period, 0.002 * step / period);
   EXPECT_NEAR(pose.velocity.z(), 0.012 / period, 0.002);
   EXPECT_GT(pose.velocity_covariance.determinant(), 0.0);
   EXPECT_LT(pose.velocity_covariance(0, 0), 1e-4);
+}
+
+/// A window that reaches back over a stop: the wheels went wrong only while they moved.
+TEST(FloorOdometry, VelocityAfterAStopIsTheFloorsAsWell) {
+  Drive drive(42, 0.0, 1.1, 0.0);
+  drive.floor_sd = {1e-6, 1e-6, 1e-6};
+  FloorOdometry odometry;
+  for (int k = 0; k < 42; ++k) {
+    for (int still = 0; k == 40 && still < 100; ++still)
+      odometry.add({period * (k + still), drive.wheels[39], nullptr, Kept::No});
+    const double clock = period * (k < 40 ? k : k + 100);
+    const RefinedMotion motion = k >= window ? drive.floor(k - window, k) : RefinedMotion{};
+    odometry.add({clock, drive.wheels[static_cast<std::size_t>(k)], k >= window ? &motion : nullptr,
+                  Kept::Added});
+  }
+  EXPECT_NEAR(odometry.pose().velocity.x(), step / period, 0.002 * step / period);
+}
+
+/// Of a robot that turns on the spot the latest view takes the place of the one before.
+TEST(FloorOdometry, LooksAroundAndKnowsItsReferences) {
+  SweepParameters few;
+  few.reference.history = 8;
+  Drive drive(12, 0.0, 1.1, 0.0);
+  for (const Kept kept : {Kept::InPlaceOfNewest, Kept::Added}) {
+    FloorOdometry odometry(few, {});
+    for (int k = 0; k < 11; ++k)
+      odometry.add({period * k, drive.wheels[static_cast<std::size_t>(k)], nullptr, Kept::Added});
+    for (int k = 0; k < 20; ++k)
+      odometry.add(
+          {2.0 + period * k, drive.wheels[10] * SE2{0.0, 0.0, 0.05 * (k % 10)}, nullptr, kept});
+    const RefinedMotion motion = drive.floor(11 - window, 11);
+    const double wheels = drive.wheels[11].x;
+    odometry.add({5.0, drive.wheels[11], &motion, Kept::Added});
+    const bool corrected = odometry.pose().T_odom_base.x < wheels - 0.05 * step;
+    EXPECT_EQ(corrected, kept == Kept::InPlaceOfNewest);
+  }
 }
 
 TEST(FloorOdometry, AfterAResetItStartsWhereTheWheelsAre) {
@@ -256,7 +293,7 @@ TEST(FloorOdometry, AfterAResetItStartsWhereTheWheelsAre) {
   odometry.reset();
   const SE2 elsewhere{5.0, 6.0, 1.0};
   const RefinedMotion motion = drive.floor(30, 36);  // a reference of before
-  odometry.add({3.6, elsewhere, &motion, true});
+  odometry.add({3.6, elsewhere, &motion, Kept::Added});
   expectNear(odometry.pose().T_odom_base, elsewhere, 1e-12, 1e-12);
   EXPECT_EQ(odometry.pose().covariance.norm(), 0.0);
 }
@@ -268,7 +305,7 @@ TEST(FloorOdometry, NewParametersLeaveThePose) {
   SweepParameters changed;
   changed.reference.history = 10;
   odometry.configure(changed, {});
-  odometry.add({period * 40, drive.wheels.back() * SE2{0.05, 0.0, 0.0}, nullptr, true});
+  odometry.add({period * 40, drive.wheels.back() * SE2{0.05, 0.0, 0.0}, nullptr, Kept::Added});
   expectNear(odometry.pose().T_odom_base, before * SE2{0.05, 0.0, 0.0}, 1e-12, 1e-12);
 }
 

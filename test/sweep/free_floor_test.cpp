@@ -117,6 +117,17 @@ TEST_F(Free, ItIsNotForgottenForWhatIsSeenOverAndOver) {
   }
 }
 
+/// Beams are closer together than a place is wide.
+TEST_F(Free, EveryContactOfAFrameCounts) {
+  for (int i = 0; i <= 2 * middle; ++i) contact(i, 0.12);  // six millimetres apart
+  limit();
+  for (int k = 1; k < 4; ++k) {
+    newFrame(0.1 * k);
+    limit({0.002 * k, 0.0, 0.0});
+    for (int i = 0; i <= 2 * middle; ++i) EXPECT_EQ(at(i).state, BearingState::Blocked) << i;
+  }
+}
+
 TEST_F(Free, TheOldestIsForgottenFirstWhereThereIsTooMuch) {
   contact(middle, 0.5);
   limit();

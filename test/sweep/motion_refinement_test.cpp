@@ -52,7 +52,7 @@ TEST_F(Refinement, RemovesMostOfAnOdometryError) {
 
 /// A heading that went wrong at a constant rate has carried the odometry sideways as well.
 TEST_F(Refinement, RemovesABiasOfTheHeadingRate) {
-  current.stamp = 1.0;
+  current.went = 1.0;
   const double wrong = 0.012;
   const RefinedMotion refined =
       refine({0.15, 0.004 + 0.5 * 0.15 * wrong, T_odom_now.theta + wrong});
@@ -121,6 +121,31 @@ TEST_F(Refinement, OffTrustsOdometryButStillFitsBrightness) {
   EXPECT_FALSE(refined.refined);
   EXPECT_DOUBLE_EQ(refined.motion.x, T_odom_now.x);
   EXPECT_NEAR(refined.photometric.gain * 80 + refined.photometric.offset, 0.9 * 80 + 6, 2.0);
+}
+
+/// A lamp that is switched, or automatic exposure: far more than what is an outlier.
+TEST_F(Refinement, FollowsBrightnessThatChangesByFar) {
+  const RectifiedFrame before = current;
+  for (const double gain : {0.55, 0.75, 1.35}) {
+    for (int line = 0; line < grid.lines; ++line)
+      for (int row = 0; row < grid.rows; ++row)
+        current.image.at(row, line) = static_cast<std::uint8_t>(
+            std::min(255.0, std::lround(gain * before.image.at(row, line)) * 1.0));
+    current.mean.evaluate(lattice, current.image.view());
+    const RefinedMotion refined = refine(T_odom_now);
+    const Photometric& p = refined.photometric;
+    EXPECT_NEAR(p.gain * 120.0 + p.offset, gain * 120.0, 3.0) << gain;
+    EXPECT_LT(refined.sigma, 3.0) << gain;
+    EXPECT_NEAR(refined.motion.x, T_odom_now.x, 0.001) << gain;
+  }
+}
+
+/// Somebody who covers a part of the floor is no change of the light.
+TEST_F(Refinement, WhatCoversTheFloorDoesNotChangeItsBrightness) {
+  for (int line = 0; line < grid.lines * 45 / 100; ++line)
+    for (int row = 0; row < grid.rows; ++row) current.image.at(row, line) = 30;
+  current.mean.evaluate(lattice, current.image.view());
+  EXPECT_NEAR(refine(T_odom_now).photometric.gain, 1.0, 0.05);
 }
 
 TEST_F(Refinement, WithoutFloorInCommonOdometryStays) {

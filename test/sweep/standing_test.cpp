@@ -19,7 +19,10 @@ class Standing : public ::testing::Test {
   void arrive() {
     ASSERT_EQ(drive->along(0.0, end, 20), FrameStatus::Used);
     used = drive->obstacles;
+    rest();
   }
+  /// The next frame is one of a robot that stands.
+  void rest() { drive->index += 2; }
   FrameStatus stand(double seconds = 0.1) {
     drive->index += static_cast<std::uint64_t>(std::lround(seconds / 0.1)) - 1;
     return drive->at({end, 0.0, heading});
@@ -57,7 +60,7 @@ TEST_F(Standing, GoesOnSeeingWhatStandsThere) {
     const Obstacles& now = drive->obstacles;
     EXPECT_GT(now.age, age) << "nothing new for a map";
     age = now.age;
-    EXPECT_NEAR(static_cast<double>(age), 0.1 * (k + 1), 1e-4);
+    EXPECT_NEAR(static_cast<double>(age), 0.2 + 0.1 * (k + 1), 1e-4);
     EXPECT_GE(now.contacts.size() + 2, used.contacts.size());
     EXPECT_GT(drive->shareOnOutlines(), 0.95);
     for (const Contact& c : now.contacts) EXPECT_EQ(c.age, 0.0F) << "seen in this frame";
@@ -93,9 +96,14 @@ TEST_F(Standing, SomebodyWhoHasBeenThereAllTheTimeLeavesNoGhost) {
   ASSERT_GT(used.contacts.size(), 10U);
   drive->scene.boxes.clear();
   for (int k = 0; k < 10; ++k) {
-    ASSERT_EQ(stand(), FrameStatus::Watched);
+    ASSERT_EQ(stand(0.2), FrameStatus::Watched);
     EXPECT_EQ(moving(), 0) << k;
     EXPECT_NE(ahead().state, BearingState::Occupied) << k;
+  }
+  // nor later, where his place lies below the view
+  for (; end < 1.7; end += 0.05) {
+    drive->at({end, 0.0, 0.0});
+    EXPECT_NE(ahead().state, BearingState::Blocked) << end;
   }
 }
 
@@ -148,6 +156,7 @@ TEST_F(Standing, StopsAgain) {
     for (double t = 0.0; t < 10.0; t += 1.0) ASSERT_EQ(stand(1.0), FrameStatus::Watched) << stop;
     end += 0.025;
     ASSERT_EQ(stand(), FrameStatus::Used) << stop;
+    rest();
   }
 }
 
@@ -157,6 +166,7 @@ TEST_F(Standing, DoesNotForgetWhatStandsBelowTheView) {
   drive->scene.boxes = {{1.1, 1.14, -0.3, 0.3, 0.1}};
   ASSERT_EQ(drive->along(0.0, end, 34), FrameStatus::Used);
   ASSERT_EQ(ahead().state, BearingState::Blocked);
+  rest();
   for (int k = 0; k < 6; ++k) {
     ASSERT_EQ(stand(10.0), FrameStatus::Watched);
     EXPECT_EQ(ahead().state, BearingState::Blocked) << k;
@@ -172,6 +182,7 @@ TEST_F(Standing, DoesNotComeToBelieveALoneContact) {
     start(parameters);
     drive->scene.boxes = {{1.4, 1.42, -0.012, 0.012, 0.9}};
     ASSERT_EQ(drive->along(0.35, end, 12), FrameStatus::Used);
+    rest();
     int seen = 0;
     for (int k = 0; k < 20; ++k) {
       ASSERT_EQ(stand(), FrameStatus::Watched);
@@ -181,16 +192,82 @@ TEST_F(Standing, DoesNotComeToBelieveALoneContact) {
   }
 }
 
-/// Driving so slowly that every other frame has not moved is no way to keep references for ever.
+/// Driving so slowly that every other frame has not moved is not standing.
 TEST_F(Standing, WhatADrivingRobotSawGrowsOld) {
   SweepParameters parameters = test::smallParameters();
   parameters.reference.max_age = 3.0;
   start(parameters);
-  arrive();
+  ASSERT_EQ(drive->along(0.0, end, 20), FrameStatus::Used);
   FrameStatus status = FrameStatus::Used;
   double x = end;
-  for (int k = 0; k < 40; ++k) status = drive->at({x += 0.0025, 0.0, 0.0});
-  EXPECT_EQ(status, FrameStatus::NoReference) << "ten centimetres in four seconds";
+  int still = 0;
+  for (int k = 0; k < 80; ++k) {
+    status = drive->at({x += 0.00125, 0.0, 0.0});
+    EXPECT_NE(status, FrameStatus::Watched) << k;
+    still += status == FrameStatus::NoMotion ? 1 : 0;
+  }
+  EXPECT_NEAR(still, 40, 1);
+  EXPECT_EQ(status, FrameStatus::NoReference) << "ten centimetres in eight seconds";
+}
+
+/// Nor does odometry go wrong while it stands still.
+TEST_F(Standing, KnowsTheMotionSinceItsReferencesAsWellAsBefore) {
+  start();
+  drive->scene.boxes = {{1.7, 1.85, -0.25, 0.3, 0.4}};
+  arrive();
+  const Eigen::Matrix3d before = drive->detector.refinedMotion(0).covariance;
+  ASSERT_EQ(stand(200.0), FrameStatus::Watched);
+  const Eigen::Matrix3d after = drive->detector.refinedMotion(0).covariance;
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(after(i, i), before(i, i), 0.2 * before(i, i)) << i;
+}
+
+TEST_F(Standing, LooksAroundAndKnowsWhereItCameFrom) {
+  SweepParameters parameters = test::smallParameters();
+  parameters.reference.history = 24;
+  start(parameters);
+  drive->scene.boxes = {{1.7, 1.85, -0.25, 0.3, 0.4}};
+  arrive();
+  for (const double far : {1.6, -1.6})
+    for (int k = 0; k <= 80; ++k) {
+      heading = far * (1.0 - std::abs(k - 40) / 40.0);
+      stand();
+    }
+  ASSERT_EQ(stand(), FrameStatus::Watched);
+  EXPECT_GT(drive->obstacles.contacts.size(), 10U);
+  end += 0.025;
+  EXPECT_EQ(stand(), FrameStatus::Used);
+  EXPECT_GT(drive->shareOnOutlines(), 0.95);
+}
+
+/// Wheels do not tell that somebody has pushed the robot. It sees that nothing is where it was.
+TEST_F(Standing, SaysNothingWhereItHasBeenPushed) {
+  start();
+  drive->scene.boxes = {{1.7, 1.85, -0.25, 0.3, 0.4}};
+  arrive();
+  const SE2 here{end, 0.0, 0.0};
+  for (const SE2& push : {SE2{0.0, 0.0, 0.1}, SE2{0.1, 0.05, 0.1}, SE2{-0.2, 0.1, 0.3}}) {
+    EXPECT_EQ(drive->at(here * push, here), FrameStatus::NoMotion) << push.theta;
+    EXPECT_TRUE(drive->obstacles.bearings.empty());
+    EXPECT_TRUE(drive->obstacles.contacts.empty());
+  }
+  EXPECT_EQ(stand(), FrameStatus::Watched) << "and is back";
+  EXPECT_GT(drive->shareOnOutlines(), 0.95);
+}
+
+TEST_F(Standing, DoesNotMindTheLight) {
+  start();
+  drive->scene.boxes = {{1.7, 1.85, -0.25, 0.3, 0.4}};
+  arrive();
+  for (const double light : {0.6, 0.8, 1.3}) {
+    drive->light = light;
+    ASSERT_EQ(stand(), FrameStatus::Watched) << light;
+    EXPECT_GE(drive->obstacles.contacts.size() + 2, used.contacts.size()) << light;
+    EXPECT_EQ(moving(), 0) << light;
+    EXPECT_GT(drive->shareOnOutlines(), 0.95) << light;
+  }
+  drive->light = 0.15;  // it has gone out
+  EXPECT_EQ(stand(), FrameStatus::NoMotion);
+  EXPECT_TRUE(drive->obstacles.contacts.empty());
 }
 
 TEST_F(Standing, TurnsItsHeadALittleAndStillSees) {

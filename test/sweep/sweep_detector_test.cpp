@@ -106,6 +106,12 @@ class BelowTheView : public ::testing::Test {
   void see(const SweepParameters& parameters) {
     before = std::make_unique<Drive>(parameters);
     before->scene.boxes = {{1.0, 1.1, -0.4, 0.4, 0.2}};
+    before->at({0.0, 0.0, 0.0});
+    before->at({0.2, 0.0, 0.0});
+    for (double t = 0.0; t < stood; t += 1.0) {
+      before->index += 9;
+      before->at({0.2, 0.0, 0.0});
+    }
     ASSERT_EQ(before->along(0.2, 0.45, 5), FrameStatus::Used);
     now = std::make_unique<Drive>(parameters);
     now->index = before->index;
@@ -119,6 +125,7 @@ class BelowTheView : public ::testing::Test {
     }));
   }
   std::unique_ptr<Drive> before, now;
+  double stood = 0.0;  // seconds, on the way
 };
 
 TEST_F(BelowTheView, ADetectorWithOtherParametersRemembers) {
@@ -127,6 +134,16 @@ TEST_F(BelowTheView, ADetectorWithOtherParametersRemembers) {
   see(test::smallParameters());
   ASSERT_TRUE(now->detector.adopt(before->detector));
   EXPECT_GE(blockedAhead(), 5);
+}
+
+/// Its clock does not count while it stands.
+TEST_F(BelowTheView, NorIsItForgottenByOneThatHasStood) {
+  for (const double seconds : {0.0, 60.0}) {
+    stood = seconds;
+    see(test::smallParameters());
+    ASSERT_TRUE(now->detector.adopt(before->detector));
+    EXPECT_GE(blockedAhead(), 5) << seconds;
+  }
 }
 
 /// What is withdrawn from the answer does not come back from memory.
@@ -228,6 +245,9 @@ TEST(SweepDetector, SaysWhyThereIsNoAnswer) {
   EXPECT_EQ(drive.at({0, 0, 0}), FrameStatus::NoReference);
   EXPECT_EQ(drive.at({0.0005, 0, 0}), FrameStatus::NoMotion);
   EXPECT_EQ(drive.at({0.2, 0, 0}), FrameStatus::Used);
+  EXPECT_EQ(drive.at({0.2, 0, 0}), FrameStatus::NoMotion);
+  EXPECT_TRUE(drive.obstacles.bearings.empty());
+  drive.index += 2;  // it stands
   EXPECT_EQ(drive.at({0.2, 0, 0}), FrameStatus::Watched);
   EXPECT_FALSE(drive.obstacles.bearings.empty());
   EXPECT_EQ(drive.at({0.2, 0, 0.5}), FrameStatus::NoMotion);

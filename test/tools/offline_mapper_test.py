@@ -357,11 +357,22 @@ class OfflineMapper(unittest.TestCase):
             with open(os.path.join(self.out, "obstacles.csv"), encoding="ascii") as file:
                 frames.append(sorted({int(row["frame"]) for row in csv.DictReader(file)}))
             reason = "no_motion" if "sweep/watch=0" in options else "watched"
-            self.assertEqual(counted["skipped"][reason], 30 - 19)
+            self.assertEqual(counted["skipped"][reason], 11 if reason == "no_motion" else 9)
         self.assertEqual(len(set(maps)), 1)
         self.assertEqual(frames[0], frames[2])
         self.assertEqual(frames[0][-1], 18)
-        self.assertEqual(frames[1], frames[0] + list(range(19, 30)))
+        self.assertEqual(frames[1], frames[0] + list(range(21, 30)), "it stands from then on")
+
+    def test_what_was_not_confirmed_is_not_while_the_robot_stands(self):
+        write_bag(self.bag, info=True, frames=40, way=lambda t: min(0.25 * t, 0.45))
+        result = self.run_it(self.bag, "--out", self.out, self.pose, "--standing",
+                             "--temporal-filter", "--set", "memory/confirm_frames=16",
+                             "--set", "memory/confirm_of=16")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        with open(os.path.join(self.out, "obstacles.csv"), encoding="ascii") as file:
+            self.assertIn("39", {row["frame"] for row in csv.DictReader(file)})
+        with open(os.path.join(self.out, "points.csv"), encoding="ascii") as file:
+            self.assertEqual(len(file.readlines()), 1)
 
     def test_wrong_usage_exits_with_2(self):
         self.refused(2, "--out", self.bag)

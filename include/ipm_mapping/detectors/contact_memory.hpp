@@ -26,6 +26,13 @@ class RememberedView {
   [[nodiscard]] const std::vector<Bearing>& bearings() const { return bearings_; }
   [[nodiscard]] const std::vector<Contact>& contacts() const { return contacts_; }
 
+  /// It is that of a robot that stood.
+  [[nodiscard]] bool looksOn() const { return age_ > 0.0F; }
+  /// Takes contacts of the same bearings in place of its own, with their ages.
+  void carry(const std::vector<Contact>& contacts) {
+    contacts_.assign(contacts.begin(), contacts.end());
+  }
+
   /// Index of the bearing in whose sector a direction in base lies; nothing outside of the view.
   [[nodiscard]] std::optional<std::size_t> bearingAt(double angle) const;
   /// Whether the floor at a place was seen as floor; nothing where this view did not look.
@@ -65,7 +72,11 @@ class ContactMemory {
  private:
   static constexpr int capacity = 8;  // views
 
+  [[nodiscard]] std::size_t slot(int back) const {
+    return static_cast<std::size_t>((next_ - 1 - back + 2 * capacity) % capacity);
+  }
   [[nodiscard]] const RememberedView& view(int back) const;
+  [[nodiscard]] RememberedView& latest() { return views_[slot(0)]; }
   void remember(const Obstacles& seen);
   bool recall(const Frame& frame, Obstacles& obstacles) const;
   [[nodiscard]] bool holds(int back, const Frame& frame, double seconds) const;

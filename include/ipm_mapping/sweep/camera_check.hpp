@@ -56,6 +56,7 @@ class CameraCheck : public Detector {
   ReferenceRing ring_;
   SelfCalibration calibration_;
   RectifiedFrame current_;
+  GoingClock going_;
   double time_offset_ = 0.0;  ///< that frames should come with, seconds
   RegistrationView view_;
   std::vector<double> stated_errors_, estimated_errors_;

@@ -53,7 +53,8 @@ class CandidateLines {
                           RowRange patch, std::int32_t most);
   /// It has not.
   void sameBrightness(int count);
-  /// Brings what allowForBrightness() will read of a candidate near, while another one is worked on.
+  /// Brings what allowForBrightness() will read of a candidate near, while another one is worked
+  /// on.
   void fetchBrightness(const SweepReference* references, int count, int candidate,
                        RowRange patch) const;
 

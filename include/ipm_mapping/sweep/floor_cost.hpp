@@ -14,6 +14,8 @@ namespace ipm_mapping::sweep {
 struct Photometric {
   double gain = 1.0;
   double offset = 0.0;  ///< grey levels
+  /// Beyond that, views are not compared as they should be.
+  [[nodiscard]] bool withinBounds() const;
   /// In the units of the kernels, 2^14 for a gain of one and for an offset of one grey level.
   [[nodiscard]] std::int32_t fixedGain() const;
   [[nodiscard]] std::int32_t fixedOffset() const;
@@ -70,7 +72,7 @@ class FloorCost {
   Image<std::int16_t> residual_;
   std::vector<std::int32_t> sum_, number_;  // over the lines of a window, half_rows_ of margin
   std::vector<std::int32_t> sum_before_, number_before_;  // of the rows before each row
-  std::vector<std::int16_t> mean_;          // of a line
+  std::vector<std::int16_t> mean_;                        // of a line
   std::vector<std::uint16_t> squares_;
 };
 

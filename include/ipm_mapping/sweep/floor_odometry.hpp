@@ -8,6 +8,7 @@
 #include "ipm_mapping/parameters/sweep_parameters.hpp"
 #include "ipm_mapping/sweep/motion_refinement.hpp"
 #include "ipm_mapping/sweep/odometry_of_frame.hpp"
+#include "ipm_mapping/sweep/reference_ring.hpp"
 
 namespace ipm_mapping::sweep {
 
@@ -16,7 +17,7 @@ struct FloorObservation {
   double stamp = 0.0;                     ///< seconds
   SE2 T_odom_base;                        ///< wheel odometry at the stamp
   const RefinedMotion* motion = nullptr;  ///< as the floor shows it; null: the frame was not used
-  bool reference = false;                 ///< later motions may start from this frame
+  Kept reference = Kept::No;              ///< later motions may start from this frame
   Velocity velocity = {};                 ///< by wheel odometry, at the stamp
   double time_offset = 0.0;               ///< seconds that the stamp was moved by
 };
@@ -74,7 +75,7 @@ class FloorOdometry {
   struct Correction {
     Eigen::Vector3d error = Eigen::Vector3d::Zero();  ///< log e, base axes of the newer frame
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-    double seconds = 0.0;  ///< length of the window
+    double seconds = 0.0;  ///< of the window in which the wheels moved
   };
 
   [[nodiscard]] Place arrive(const FloorObservation& now) const;
@@ -84,7 +85,7 @@ class FloorOdometry {
   void followWheels(Place& now) const;
   void followFloor(const Place& reference, const Correction& correction, Place& now) const;
   static void extend(const Place& from, const SE2& delta, const Eigen::Matrix3d& noise, Place& now);
-  void remember(const Place& now);
+  void remember(const Place& now, Kept kept);
   void publish(const Place& now);
   void measureVelocity(const Place& now, const Correction* correction);
 

@@ -30,9 +30,8 @@ struct FramePair {
   [[nodiscard]] SE2 odometry(double time_offset) const {
     return reference.poseMovedBy(time_offset).inverse() * current.poseMovedBy(time_offset);
   }
-  [[nodiscard]] double seconds() const {
-    return (current.stamp - current.time_offset) - (reference.stamp - reference.time_offset);
-  }
+  /// In which odometry may have gone wrong: not while it stood still.
+  [[nodiscard]] double seconds() const { return current.went - reference.went; }
 };
 
 /// What one pair of frames says.

@@ -35,7 +35,8 @@ class FreeFloor {
   struct Remembered {
     Eigen::Vector2d p_floor;
     Eigen::Vector2d next_floor;  ///< of the contact beside it: coming nearer, they move apart
-    double seconds;
+    double seconds;              ///< not counting those in which the robot stood
+    double stamp;
   };
   void fillSlits(std::vector<Bearing>& bearings) const;
   void besideContacts(Obstacles& obstacles) const;

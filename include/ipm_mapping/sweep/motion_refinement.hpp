@@ -26,6 +26,7 @@ struct RectifiedFrame : OdometryOfFrame {
   SE2 T_floor_base;      ///< the same by chaining refined motions
   double stamp = 0.0;
   double stood = 0.0;  ///< seconds until then in which the robot stood and looked on
+  double went = 0.0;   ///< seconds until then in which odometry changed
 
   /// Seconds by which another frame is newer, but for what the robot stood in between.
   [[nodiscard]] double age(const RectifiedFrame& newer) const {
@@ -103,6 +104,8 @@ class MotionRefinement {
                                                     bool high_pass) const;
   void normalEquations(RefinedMotion& state, bool high_pass, double limit, Normal& A, Unknowns& b);
   void step(const Prior& prior, const SE2& base, Correction& correction, RefinedMotion& state);
+  [[nodiscard]] double medianOf(const std::vector<float>& grey);
+  void fitBrightness(double gain, RefinedMotion& state);
   void fitBrightness(RefinedMotion& state);
 
   PolarGrid grid_;

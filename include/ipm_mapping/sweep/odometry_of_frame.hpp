@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+
 #include "ipm_mapping/geometry/se2.hpp"
 
 namespace ipm_mapping::sweep {
@@ -15,6 +17,31 @@ struct OdometryOfFrame {
   [[nodiscard]] SE2 poseMovedBy(double offset) const {
     return later(T_odom_base, velocity, offset - time_offset);
   }
+};
+
+/// Counts the seconds in which odometry changed: those in which it may have gone wrong. A gyroscope
+/// that drifts while the robot stands changes it too.
+class GoingClock {
+ public:
+  void reset() { started_ = false; }
+  /// Takes every frame with its stamp; returns the seconds so far.
+  double add(const OdometryOfFrame& frame, double stamp) {
+    const double clock = stamp - frame.time_offset;
+    if (started_) {
+      const SE2 step = last_.inverse() * frame.T_odom_base;
+      if (step.distance() + std::abs(step.theta) > no_motion) seconds_ += clock - last_clock_;
+    }
+    started_ = true;
+    last_ = frame.T_odom_base;
+    last_clock_ = clock;
+    return seconds_;
+  }
+
+ private:
+  static constexpr double no_motion = 1e-6;  // metres and radians
+  bool started_ = false;
+  SE2 last_;
+  double last_clock_ = 0.0, seconds_ = 0.0;
 };
 
 /// Pose of the current frame's base in the reference's, both moved by what the current one is.

@@ -1,10 +1,14 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "ipm_mapping/sweep/motion_refinement.hpp"
 
 namespace ipm_mapping::sweep {
+
+/// What becomes of a frame that is offered as a reference of later ones.
+enum class Kept : std::uint8_t { No, Added, InPlaceOfNewest };
 
 /// Rectified frames of the recent past, at most one every `spacing`. Memory is reused.
 class ReferenceRing {
@@ -12,9 +16,10 @@ class ReferenceRing {
   void configure(const PolarGrid& grid, const SweepReferenceParameters& parameters);
   void clear() { used_ = 0; }
 
-  /// Keeps a frame if it lies far enough from the one kept before; `frame` then holds an older
-  /// frame's memory. Returns whether it was kept.
-  bool offer(RectifiedFrame& frame);
+  /// Keeps a frame if it lies far enough from the one kept before, or is turned away from it;
+  /// `frame` then holds an older frame's memory. Of a robot that turns on the spot the first view
+  /// and the latest are kept: to look around is no reason to lose where it came from.
+  Kept offer(RectifiedFrame& frame);
 
   /// Newest frame at least `baseline` metres from another one, young enough and not turned away too
   /// far; null if there is none. The first frame that is far enough decides: an older one would be
@@ -30,7 +35,8 @@ class ReferenceRing {
   [[nodiscard]] int size() const { return used_; }
 
  private:
-  [[nodiscard]] const RectifiedFrame& newest(int back) const;
+  [[nodiscard]] std::size_t slot(int back) const;
+  [[nodiscard]] const RectifiedFrame& newest(int back) const { return frames_[slot(back)]; }
   [[nodiscard]] const RectifiedFrame* firstBeyond(const RectifiedFrame& current,
                                                   double baseline) const;
 

@@ -54,7 +54,7 @@ class SweepDetector : public Detector {
     return motions_[static_cast<std::size_t>(reference)];
   }
   /// The last processed frame may become a reference of later ones.
-  [[nodiscard]] bool keptAsReference() const { return kept_; }
+  [[nodiscard]] Kept keptAsReference() const { return kept_; }
   /// Rolling shutter that is undone, seconds from the first row to the last.
   [[nodiscard]] double readout() const { return readout_; }
   [[nodiscard]] const PolarGrid& grid() const { return grid_; }
@@ -93,6 +93,7 @@ class SweepDetector : public Detector {
   [[nodiscard]] SE2 expectedMotion(const RectifiedFrame& reference) const;
   bool hasMoved();
   FrameStatus findReferences(bool moved);
+  [[nodiscard]] bool floorIsTheSame() const;
   void findContacts(const CurrentView& view);
   void maskFloor();
   void splitCurrent();
@@ -167,9 +168,13 @@ class SweepDetector : public Detector {
   SE2 last_new_;                             // pose of the last frame that had moved
   double stopped_ = 0.0;                     // its stamp
   double stood_ = 0.0, stood_before_ = 0.0;  // seconds, all in all and until then
-  OdometryOfFrame last_;                     // frame
-  SE2 T_floor_last_;                         // of it
-  bool seen_any_ = false, kept_ = false, floor_masked_ = false;
+  GoingClock going_;
+  OdometryOfFrame last_;                          // frame
+  SE2 T_floor_last_;                              // of it
+  int floor_beams_ = 0, floor_beams_before_ = 0;  // that see floor: now, and when it last drove
+  Kept kept_ = Kept::No;
+  double chain_offset_ = 0.0;  // of the stamps that floor poses were chained up with
+  bool seen_any_ = false, floor_masked_ = false;
   std::vector<StageTime> times_;
   double lap_start_ = 0.0;
 };
