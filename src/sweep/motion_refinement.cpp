@@ -18,8 +18,8 @@ constexpr double median_to_sigma = 1.48;
 constexpr double converged = 5e-5;      // metres and radians
 constexpr double linear_within = 0.03;  // camera heights, radians: beyond it positions are redone
 constexpr float brightest = 255.0F;
-constexpr float clearly = 0.33F;  // of another fit's deviation
-constexpr int margin = 3;         // rows that a sample keeps from the edge of the view
+constexpr double clearly = 1.5;  // times as many floor points agree
+constexpr int margin = 3;        // rows that a sample keeps from the edge of the view
 
 // Places of the unknowns.
 constexpr int x_at = 0, y_at = 1, theta_at = 2, pitch_at = 3, roll_at = 4, gain_at = 5,
@@ -284,20 +284,23 @@ void MotionRefinement::fitBrightness(double gain, RefinedMotion& state) {
 
 /// Lamps and automatic exposure may change more than what counts as an outlier. Then the search
 /// begins a second time at the gain of the middle floor point; that may be one of somebody who has
-/// come, so only a clearly better fit is taken.
+/// come, so it has to agree with clearly more of the floor.
 void MotionRefinement::fitBrightness(RefinedMotion& state) {
   fitBrightness(1.0, state);
   if (state.sigma < most_spread) return;
   const double before = medianOf(samples_.warped);
   const double gain = before > 0.0 ? medianOf(samples_.current) / before : 1.0;
   if (std::abs(gain - 1.0) <= parameters_.sd_gain) return;
-  const auto deviation = [&](const RefinedMotion& fit) {
-    return kernels::medianDeviation(residual(fit.photometric, false), brightest,
-                                    samples_.deviation.data());
+  const auto agreeing = [&](const RefinedMotion& fit) {
+    const kernels::AlignmentResidual e = residual(fit.photometric, false);
+    int n = 0;
+    for (int i = 0; i < e.count; ++i)
+      n += std::abs(e.current[i] - (e.gain * e.warped[i] + e.offset)) <= most_spread ? 1 : 0;
+    return n;
   };
   RefinedMotion other = state;
   fitBrightness(gain, other);
-  if (deviation(other) < clearly * deviation(state)) state = other;
+  if (agreeing(other) > clearly * agreeing(state)) state = other;
 }
 
 RefinedMotion MotionRefinement::refine(const RectifiedFrame& current,
