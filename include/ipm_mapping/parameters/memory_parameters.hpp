@@ -20,8 +20,8 @@ struct MemoryParameters {
   static void fields(Self& self, Visitor&& field) {
     field(
         "hold", self.hold, Unit{"s"}, Range{0.0, 3600.0},
-        "contacts of the last used frames are published this long while the robot stands or turns "
-        "on the spot, with growing age; 0: nothing is published then");
+        "contacts of the last frames are published this long after they were seen while the robot "
+        "turns on the spot, or stands and misses them, with growing age; 0: not at all");
     field("hold_free", self.hold_free, Unit{"s"}, Range{0.0, 3600.0},
           "the same for free floor, which somebody may step on, and for what moves");
     field("hold_distance", self.hold_distance, Unit{"m"}, Range{0.0, 100.0},
