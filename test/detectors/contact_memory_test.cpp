@@ -26,6 +26,12 @@ class Memory : public ::testing::Test {
     change(recalled);
     ASSERT_TRUE(memory.follow(frame(pose, stamp), FrameStatus::Watched, recalled));
   }
+  /// Misses what stands there, and sees no floor either.
+  static void blind(Obstacles& seen) {
+    seen.contacts.clear();
+    for (Bearing& bearing : seen.bearings)
+      if (bearing.state == BearingState::Occupied) bearing.state = BearingState::Unknown;
+  }
   void lookOn(const SE2& pose, double stamp) {
     lookOn(pose, stamp, [](Obstacles&) {});
   }
@@ -128,11 +134,6 @@ TEST_F(Memory, OfARobotThatLooksOnTheNewestIsWhatItSees) {
 TEST_F(Memory, WhatALookerOnMissesIsHeldUntilFloorIsSeenThere) {
   see({}, start);
   const std::size_t all = views.back().contacts.size();
-  const auto blind = [](Obstacles& seen) {
-    seen.contacts.clear();
-    for (Bearing& bearing : seen.bearings)
-      if (bearing.state == BearingState::Occupied) bearing.state = BearingState::Unknown;
-  };
   // two views, so that looking on does not take the place of the only one
   see({0.01, 0.0, 0.0}, start + 0.1);
   lookOn({0.01, 0.0, 0.0}, start + 1.0, blind);
@@ -146,11 +147,6 @@ TEST_F(Memory, WhatALookerOnMissesIsHeldUntilFloorIsSeenThere) {
 TEST_F(Memory, OfALookerOnReachesBackAsFarAsEverHoweverLongItStands) {
   see({}, start);
   const std::size_t all = views.back().contacts.size();
-  const auto blind = [](Obstacles& seen) {
-    seen.contacts.clear();
-    for (Bearing& bearing : seen.bearings)
-      if (bearing.state == BearingState::Occupied) bearing.state = BearingState::Unknown;
-  };
   double t = start;
   for (; t < start + 25.0; t += 0.5) lookOn({}, t + 0.5);
   ASSERT_EQ(recalled.contacts.size(), all);
