@@ -247,7 +247,7 @@ FrameStatus SweepDetector::findReferences(bool moved) {
   const SweepReferenceParameters& p = parameters_.reference;
   reference_count_ = 0;
   const double rested = current_.stamp - stopped_ - rest;
-  if (!moved && !(rested >= 0.0 && rested <= p.watch)) return FrameStatus::NoMotion;
+  if (!moved && !(rested >= 0.0 && rested < p.watch)) return FrameStatus::NoMotion;
   const double height = grid_.height, longer = p.long_baseline * height;
   const auto take = [&](double baseline) {
     const RectifiedFrame* found = ring_.find(current_, baseline);
