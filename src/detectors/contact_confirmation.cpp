@@ -3,6 +3,16 @@
 #include <algorithm>
 
 namespace ipm_mapping {
+namespace {
+
+/// The detector knows it from frames before.
+bool held(const Contact& contact) { return contact.age > 0.0F; }
+
+Eigen::Vector2d placeOf(const Contact& contact, const Obstacles& obstacles) {
+  return obstacles.view.T_odom_base * contact.p_base.cast<double>();
+}
+
+}  // namespace
 
 ContactConfirmation::ContactConfirmation(const MemoryParameters& parameters)
     : parameters_(parameters), frames_(static_cast<std::size_t>(parameters.confirm_of)) {}
@@ -20,23 +30,23 @@ bool ContactConfirmation::confirmed(const Eigen::Vector2d& p_odom) const {
 
 void ContactConfirmation::remember() {
   Points& frame = frames_[next_];
-  frame.reserve(present_.capacity());
-  frame.assign(present_.begin(), present_.end());
+  frame.reserve(seen_.capacity());
+  frame.assign(seen_.begin(), seen_.end());
   next_ = (next_ + 1) % frames_.size();
   known_ = std::min(known_ + 1, frames_.size());
 }
 
 void ContactConfirmation::apply(Obstacles& obstacles) {
   if (!parameters_.filter) return;
-  present_.clear();
-  present_.reserve(obstacles.bearings.size());
+  seen_.clear();
+  seen_.reserve(obstacles.bearings.size());
   for (const Contact& contact : obstacles.contacts)
-    present_.push_back(obstacles.view.T_odom_base * contact.p_base.cast<double>());
+    if (!held(contact)) seen_.push_back(placeOf(contact, obstacles));
   if (!(obstacles.age > 0.0F)) remember();
   std::size_t kept = 0;
   for (std::size_t i = 0; i < obstacles.contacts.size(); ++i) {
     const Contact& contact = obstacles.contacts[i];
-    if (contact.moving || confirmed(present_[i]))
+    if (contact.moving || confirmed(placeOf(contact, obstacles)))
       obstacles.contacts[kept++] = contact;
     else
       obstacles.bearings[static_cast<std::size_t>(contact.bearing)].state = BearingState::Unknown;

@@ -183,6 +183,34 @@ void SweepDetector::withdrawDoubtful(Obstacles& obstacles) const {
   contacts.erase(std::remove_if(contacts.begin(), contacts.end(), doubtful), contacts.end());
 }
 
+/// Bearings without a contact get what is held. Floor is free up to it only where this frame shows
+/// that.
+void SweepDetector::holdContacts(const ComparedFrame& frame, bool new_evidence,
+                                 Obstacles& obstacles) {
+  constexpr float gap = 0.05F;  // metres between free floor and a contact behind it
+  const auto& held = held_contact_.follow(frame, footAt(current_.T_floor_base),
+                                          current_.stamp - stood_, new_evidence, choices_, obstacles);
+  const std::size_t seen = obstacles.contacts.size();
+  for (int beam = 0; beam < sweep_.beams(); ++beam) {
+    const auto& [choice, stamp] = held[static_cast<std::size_t>(beam)];
+    if (!choice.any()) continue;
+    const auto range = static_cast<float>(sweep_.distance(choice.candidate));
+    Bearing& bearing = obstacles.bearings[static_cast<std::size_t>(beam)];
+    if (range > rangeLimit(sweep_.azimuth(beam)) || range < bearing.near) continue;
+    const bool floor_in_front = bearing.state == BearingState::Free && bearing.range >= range - gap;
+    if (!floor_in_front) bearing.near = range;
+    bearing.state = BearingState::Occupied;
+    bearing.range = range;
+    bearing.density = choice.score;
+    obstacles.contacts.push_back(contactOf(beam, choice));
+    obstacles.contacts.back().age = static_cast<float>(obstacles.view.stamp - stamp);
+  }
+  const auto by_bearing = [](const Contact& a, const Contact& b) { return a.bearing < b.bearing; };
+  std::inplace_merge(obstacles.contacts.begin(),
+                     obstacles.contacts.begin() + static_cast<std::ptrdiff_t>(seen),
+                     obstacles.contacts.end(), by_bearing);
+}
+
 /// Distance from the camera's foot at which a bearing leaves the circle of max_range around base.
 double SweepDetector::rangeLimit(double azimuth) const {
   const Eigen::Vector2d foot = T_base_camera_.translation().head<2>();

@@ -61,6 +61,7 @@ void SweepDetector::configure(const CameraPose& T_base_camera) {
   straight_foot_.configure(sweep_, parameters_.free_floor, parameters_.foot);
   remembered_foot_.configure(sweep_, parameters_.free_floor, parameters_.foot);
   lone_contact_.configure(sweep_, parameters_.selection);
+  held_contact_.configure(sweep_, parameters_.foot);
   plain_edge_.configure(sweep_, parameters_.free_floor, parameters_.foot);
   moving_.configure(sweep_, max_range_, parameters_.evidence, parameters_.selection,
                     parameters_.moving);
@@ -110,6 +111,7 @@ void SweepDetector::reset() {
   free_floor_.reset();
   remembered_foot_.reset();
   lone_contact_.reset();
+  held_contact_.reset();
   moving_.reset();
   seen_any_ = false;
   going_.reset();
@@ -177,6 +179,7 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
     moving_.complete(compared, T_floor_foot, frame.stamp, choices_);
     lap("known_feet");
     fillObstacles(view, obstacles);
+    holdContacts(compared, used, obstacles);
     lap("answer");
     if (used) {
       floor_beams_before_ = floor_beams_;

@@ -25,6 +25,12 @@ std::string formatted(const char* format, Values... values) {
   return text;
 }
 
+/// Not by this frame itself: held by the detector, or remembered.
+bool seenBefore(const Contact& contact) {
+  constexpr float moment = 0.01F;  // seconds; a robot that stands sees with ages hardly above 0
+  return contact.age > moment;
+}
+
 int enlargement(int width) { return std::clamp(wanted_width / std::max(1, width), 1, 4); }
 
 class OverlayDrawing {
@@ -186,9 +192,13 @@ class OverlayDrawing {
                    contact_color, 1.0);
     for (const Contact& c : obstacles_.contacts) {
       const Eigen::Vector2d p = onCanvas({static_cast<double>(c.u), static_cast<double>(c.v)});
-      canvas_.disk(p, 6.5, white);
-      canvas_.disk(p, 4.5, c.moving ? moving_color : contact_color);
+      drawContact(p, 4.5, c.moving ? moving_color : contact_color, seenBefore(c));
     }
+  }
+  void drawContact(const Eigen::Vector2d& p, double radius, Color color, bool hollow) {
+    canvas_.disk(p, radius + 2.0, white);
+    canvas_.disk(p, radius, color);
+    if (hollow) canvas_.disk(p, 0.55 * radius, white);
   }
 
   // --- caption -----------------------------------------------------------------------
@@ -214,6 +224,11 @@ class OverlayDrawing {
     canvas_.text(words, {x + 24, y}, 11.0, pale);
     return x + 24 + Canvas::textWidth(words, 11.0) + 28;
   }
+  double contactKey(double x, double y, bool hollow, const std::string& words) {
+    drawContact({x + 7, y - 5}, 5.5, contact_color, hollow);
+    canvas_.text(words, {x + 24, y}, 11.0, pale);
+    return x + 24 + Canvas::textWidth(words, 11.0) + 28;
+  }
   /// One line that is set smaller where the picture is too narrow for it.
   void captionLine(const std::string& words, double y, double size, Color color) {
     const double room = width_ - 32.0, needs = Canvas::textWidth(words, size);
@@ -228,13 +243,12 @@ class OverlayDrawing {
                           count(BearingState::Blocked), count(BearingState::Unknown)) +
                     (note_.empty() ? "" : "   |   " + note_),
                 top + 62, 11.0, pale);
-    canvas_.disk({23, y - 5}, 7.5, white);
-    canvas_.disk({23, y - 5}, 5.5, contact_color);
-    const std::string contact = "obstacle meets floor";
-    canvas_.text(contact, {40, y}, 11.0, pale);
-    double x = key(40 + Canvas::textWidth(contact, 11.0) + 28, y, free_color, "free floor");
-    if (std::any_of(obstacles_.contacts.begin(), obstacles_.contacts.end(),
-                    [](const Contact& c) { return c.moving; }))
+    double x = contactKey(16, y, false, "obstacle meets floor");
+    const auto& contacts = obstacles_.contacts;
+    if (std::any_of(contacts.begin(), contacts.end(), seenBefore))
+      x = contactKey(x, y, true, "a moment ago");
+    x = key(x, y, free_color, "free floor");
+    if (std::any_of(contacts.begin(), contacts.end(), [](const Contact& c) { return c.moving; }))
       x = key(x, y, moving_color, "moves");
     x = key(x, y, blocked_color, "obstacle, its foot not in view");
     canvas_.dashedLine({{x, y - 5}, {x + 30, y - 5}}, white, 1.5, 6.0);

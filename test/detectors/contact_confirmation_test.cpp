@@ -62,6 +62,22 @@ TEST(ContactConfirmation, WhatMovesIsNotSeenTwiceInOnePlace) {
   EXPECT_EQ(obstacles.bearings[1].state, BearingState::Occupied);
 }
 
+/// What a detector holds it has not seen in this frame.
+TEST(ContactConfirmation, WhatIsHeldConfirmsNothing) {
+  ContactConfirmation confirmation{filtering()};
+  const auto look = [&](float age) {
+    Obstacles obstacles = answer({}, {{1.0, 0.3}});
+    obstacles.contacts[0].age = age;
+    confirmation.apply(obstacles);
+    return obstacles.contacts.size();
+  };
+  EXPECT_EQ(look(0.0F), 0U);
+  EXPECT_EQ(look(0.1F), 0U);
+  EXPECT_EQ(look(0.0F), 1U);
+  EXPECT_EQ(look(0.1F), 1U) << "two of the last four saw it";
+  EXPECT_EQ(look(0.2F), 0U) << "one of the last four";
+}
+
 /// A robot that stands sees the same again.
 TEST(ContactConfirmation, WhatIsNoNewEvidenceConfirmsNothing) {
   ContactConfirmation confirmation{filtering()};

@@ -21,12 +21,14 @@ class PlainWall : public ::testing::Test {
   void SetUp() override {
     const CameraPose pose = test::smallCameraPose();
     const SweepParameters p = test::smallParameters();
+    evidence = p.evidence;
+    max_support = p.grid.max_support;
     grid = makePolarGrid(test::smallCamera(), pose, p.grid, 2.0);
     CylindricalRectification rectification;
     rectification.configure(test::smallCamera(), pose, grid);
-    rows = rectification.ranges();
+    reference_rows = rows = rectification.ranges();
     for (RowRange& range : rows) range = {range.begin / 2 + 2, range.end / 2 - 2};
-    sweep.configure(grid, rectification.ranges(), rows, p.grid.max_support, p.evidence);
+    endViewAt(grid.sweepRows());
     grey.resize(grid.sweepRows(), grid.lines, std::int16_t{});
     weight.resize(grid.sweepRows(), grid.lines, std::uint16_t{20000});
     even.resize(grid.sweepRows(), grid.lines, std::int16_t{wall_grey * kernels::grey_unit});
@@ -35,6 +37,11 @@ class PlainWall : public ::testing::Test {
     paint(0, sweep.beams() - 1, wall_grey);
     before_sums.configure(grid.sweepRows(), grid.lines);
     before_sums.evaluate(even.view());
+  }
+  /// No line sees more than the rows before `end`.
+  void endViewAt(int end) {
+    for (RowRange& range : rows) range.end = std::min(range.end, end);
+    sweep.configure(grid, reference_rows, rows, max_support, evidence);
   }
   /// The wall as some beams see it.
   void paint(int first, int last, int behind) {
@@ -75,7 +82,9 @@ class PlainWall : public ::testing::Test {
 
   PolarGrid grid;
   VerticalSweep sweep;
-  std::vector<RowRange> rows;
+  std::vector<RowRange> rows, reference_rows;
+  EvidenceParameters evidence;
+  double max_support = 0.0;
   Image<std::int16_t> grey, even, odd;
   Image<std::uint16_t> weight, cost;
   BeamSums sums, before_sums;

@@ -4,8 +4,8 @@
 
 namespace ipm_mapping::sweep {
 
-/// Contacts of plain faces, by the edge at their foot: along a straight one, and from frame to
-/// frame.
+/// Contacts that this frame's parallax does not show: of plain faces, by the edge at their foot,
+/// along a straight one and from frame to frame; and of what looks as it did.
 struct FootParameters {
   double foot_reach = 2.0;
   double foot_length = 0.2;
@@ -19,6 +19,9 @@ struct FootParameters {
   double foot_doubt = 10.0;
   double foot_score = 0.5;
   double foot_memory = 3.0;
+  int hold_sights = 3;
+  double hold_memory = 6.0;
+  double hold_change = 0.6;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& field) {
@@ -52,6 +55,14 @@ struct FootParameters {
     field("foot_memory", self.foot_memory, Unit{"s"}, Range{0.0, 60.0},
           "where a contact was seen this short a time ago, an edge like the one at its foot is a "
           "contact still; 0: not");
+    field("hold_sights", self.hold_sights, Unit{""}, Range{0, 30},
+          "a place where contacts were seen so often, 0.15 s apart, has one as long as it looks as "
+          "it did and is not seen to be floor; 0: not");
+    field("hold_memory", self.hold_memory, Unit{"s"}, Range{0.2, 30.0},
+          "for how long a sight of a place counts for that");
+    field("hold_change", self.hold_change, Unit{""}, Range{0.0, 1.0},
+          "it looks as it did where its rows have changed by no more than this share of how much "
+          "they differ (variances)");
   }
 };
 

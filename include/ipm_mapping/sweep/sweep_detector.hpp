@@ -13,6 +13,7 @@
 #include "ipm_mapping/sweep/free_floor.hpp"
 #include "ipm_mapping/sweep/leaning_surface.hpp"
 #include "ipm_mapping/sweep/level_top.hpp"
+#include "ipm_mapping/sweep/held_contact.hpp"
 #include "ipm_mapping/sweep/lone_contact.hpp"
 #include "ipm_mapping/sweep/motion_refinement.hpp"
 #include "ipm_mapping/sweep/moving_obstacle.hpp"
@@ -104,6 +105,7 @@ class SweepDetector : public Detector {
   void fillView(const Frame& frame, Obstacles& obstacles) const;
   void fillObstacles(const CurrentView& current, Obstacles& obstacles);
   void withdrawDoubtful(Obstacles& obstacles) const;
+  void holdContacts(const ComparedFrame& frame, bool new_evidence, Obstacles& obstacles);
   void fillCandidates(Obstacles& obstacles) const;
   [[nodiscard]] double heightOf(const BeamChoice& choice) const;
   void doubtLowContacts();
@@ -147,6 +149,7 @@ class SweepDetector : public Detector {
   StraightFoot straight_foot_;
   RememberedFoot remembered_foot_;
   LoneContact lone_contact_;
+  HeldContact held_contact_;
   PlainEdge plain_edge_;
   FreeFloor free_floor_;
   MovingObstacle moving_;
