@@ -8,11 +8,11 @@ namespace ipm_mapping::sweep {
 namespace {
 
 constexpr double between_looks = 0.15;  // seconds: from frame to frame a mistake is the same
-constexpr double same_place = 5.0;     // candidates between sights
-constexpr double seen_through = 3.0;   // by which free floor reaches farther
-constexpr int lowest_face = 3;         // rows above the foot
-constexpr int least_rows = 4;          // of a face that is cut off by the view
-constexpr float noise = 1.0F;          // grey levels, of a beam's mean, and of a row's place
+constexpr double same_place = 5.0;      // candidates between sights
+constexpr double seen_through = 3.0;    // by which free floor reaches farther
+constexpr int lowest_face = 3;          // rows above the foot
+constexpr int least_rows = 4;           // of a face that is cut off by the view
+constexpr float noise = 1.0F;           // grey levels, of a beam's mean, and of a row's place
 
 /// Mean grey level of a beam in one row.
 float greyAt(const ComparedFrame& frame, int beam, int row) {
@@ -98,8 +98,8 @@ bool HeldContact::looksAsBefore(const ComparedFrame& frame, int beam, double can
     for (int j = begin; j < end; ++j) sum += (value(j) - mean) * (value(j) - mean);
     return sum;
   };
-  return variation(change) <= static_cast<float>(parameters_.hold_change) * variation(was) +
-                                  noise * noise * rows;
+  return variation(change) <=
+         static_cast<float>(parameters_.hold_change) * variation(was) + noise * noise * rows;
 }
 
 void HeldContact::remember(const ComparedFrame& frame, const SE2& T_floor_foot, double seconds,

@@ -188,8 +188,9 @@ void SweepDetector::withdrawDoubtful(Obstacles& obstacles) const {
 void SweepDetector::holdContacts(const ComparedFrame& frame, bool new_evidence,
                                  Obstacles& obstacles) {
   constexpr float gap = 0.05F;  // metres between free floor and a contact behind it
-  const auto& held = held_contact_.follow(frame, footAt(current_.T_floor_base),
-                                          current_.stamp - stood_, new_evidence, choices_, obstacles);
+  const auto& held =
+      held_contact_.follow(frame, footAt(current_.T_floor_base), current_.stamp - stood_,
+                           new_evidence, choices_, obstacles);
   const std::size_t seen = obstacles.contacts.size();
   for (int beam = 0; beam < sweep_.beams(); ++beam) {
     const auto& [choice, stamp] = held[static_cast<std::size_t>(beam)];

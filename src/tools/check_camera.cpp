@@ -43,8 +43,8 @@ struct Arguments : BagArguments {
     settle();
     settleForACheck(options.parameters.calibration);
   }
-  /// Twice the samples, every pair of the drive, nothing fades; and whoever checks a height has more
-  /// reason to doubt it than a detector that runs along.
+  /// Twice the samples, every pair of the drive, nothing fades; and whoever checks a height has
+  /// more reason to doubt it than a detector that runs along.
   static void settleForACheck(CalibrationParameters& c) {
     constexpr double doubt = 4.0 / 3.0;
     c.sd_height_wrong *= doubt;

@@ -21,6 +21,8 @@ class Drive {
       std::transform(picture.row(0), picture.row(picture.height()), picture.row(0), [&](int grey) {
         return static_cast<std::uint8_t>(std::min(255.0, light * grey));
       });
+    for (int v = 0; v < picture.height(); ++v)
+      std::fill_n(picture.row(v), std::lround(dazzled * picture.width()), std::uint8_t{250});
     Frame frame;
     frame.index = index++;
     frame.stamp = 0.1 * static_cast<double>(frame.index);
@@ -46,8 +48,9 @@ class Drive {
   sweep::SweepDetector detector;
   Obstacles obstacles;
   std::uint64_t index = 0;
-  sweep::Sway sway;    // of the camera from now on
-  double light = 1.0;  // against before
+  sweep::Sway sway;      // of the camera from now on
+  double light = 1.0;    // against before
+  double dazzled = 0.0;  // share of the picture, from the left
   SE2 last;
 };
 

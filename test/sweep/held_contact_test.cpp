@@ -23,9 +23,8 @@ class HeldContactTest : public PlainWall {
     for (int line = 0; line < grid.lines; ++line)
       for (int row = 0; row < grid.sweepRows(); ++row)
         grey.at(row, line) = static_cast<std::int16_t>(
-            kernels::grey_unit * (2 * row < grid.row(distance / std::cos(grid.azimuth(line)))
-                                      ? wall_grey
-                                      : floor_grey));
+            kernels::grey_unit *
+            (2 * row < grid.row(distance / std::cos(grid.azimuth(line))) ? wall_grey : floor_grey));
   }
   /// The wall at `wall` + `way`, seen by its own parallax.
   void see(double seconds, double distance = wall + way) {
@@ -46,19 +45,21 @@ class HeldContactTest : public PlainWall {
   void seeThrice() {
     for (double seconds : {10.0, 10.2, 10.4}) see(seconds);
   }
-  /// From `way` farther on, without a contact of the frame's own; how many beams have one of before.
+  /// From `way` farther on, without a contact of the frame's own; how many beams have one of
+  /// before.
   int look(double seconds, BearingState state = BearingState::Unknown, double range = 0.0) {
     ask(wall);
     return lookAgain(seconds, state, range);
   }
   /// The same with the picture as it is.
-  int lookAgain(double seconds, BearingState state = BearingState::Unknown, double range = 0.0) {
+  int lookAgain(double seconds, BearingState state = BearingState::Unknown, double range = 0.0,
+                double x = way) {
     answer.contacts.clear();
     for (Bearing& bearing : answer.bearings) {
       bearing.state = state;
       bearing.range = static_cast<float>(range);
     }
-    return follow({way, 0.0, 0.0}, seconds);
+    return follow({x, 0.0, 0.0}, seconds);
   }
   void ask(double distance) {
     paintWall(distance);
@@ -70,7 +71,8 @@ class HeldContactTest : public PlainWall {
     answer.view.stamp = 1000.0 + seconds;
     const SweepReference one = reference();
     const CurrentView now = current();
-    found = held.follow({now, &one, 1, sweep}, T_floor_foot, seconds, new_evidence, choices, answer);
+    found =
+        held.follow({now, &one, 1, sweep}, T_floor_foot, seconds, new_evidence, choices, answer);
     return static_cast<int>(std::count_if(found.begin(), found.end(),
                                           [](const auto& one) { return one.choice.any(); }));
   }
@@ -107,6 +109,18 @@ TEST_F(HeldContactTest, TwoSightsAreTooFewAndThreeAtOnceAreOne) {
   EXPECT_EQ(look(10.3), 0);
   see(10.45);
   EXPECT_GT(look(10.5), 0);
+}
+
+/// From farther off several beams of before fall into one.
+TEST_F(HeldContactTest, OneFrameIsOneSight) {
+  constexpr double back = -0.5;
+  see(10.0, 0.8);
+  see(10.2, 0.8);
+  ask(0.8 - back);
+  EXPECT_EQ(lookAgain(10.3, BearingState::Unknown, 0.0, back), 0);
+  see(10.4, 0.8);
+  ask(0.8 - back);
+  EXPECT_GT(lookAgain(10.5, BearingState::Unknown, 0.0, back), 0);
 }
 
 TEST_F(HeldContactTest, SightsOfDifferentPlacesDoNotAddUp) {

@@ -240,6 +240,102 @@ TEST(SweepDetector, BearingsRunFromLeftToRightAndContactsPointToTheirs) {
   }
 }
 
+/// A camera that was dazzled for two tenths of a metre has references that show nothing.
+class Dazzled : public ::testing::Test {
+ protected:
+  /// Drives 40 cm up to a box, or back from it.
+  void arrive(const SweepParameters& parameters = test::smallParameters(), double way = 0.4) {
+    drive = std::make_unique<Drive>(parameters);
+    drive->scene.boxes = {{1.7, 1.85, -0.25, 0.3, 0.4}};
+    step = way / 20;
+    drive->along(0.0, x = way, 20);
+    ASSERT_GT(drive->obstacles.contacts.size(), 10U);
+    last_seen = drive->obstacles.view.stamp;
+  }
+  void dazzle(double share = 1.0) {
+    drive->dazzled = share;
+    goOn(11);
+    drive->dazzled = 0.0;
+    goOn(5);
+  }
+  void goOn(int steps) {
+    for (int k = 0; k < steps; ++k) drive->at({x += step, 0.0, 0.0});
+  }
+  [[nodiscard]] std::vector<Contact> held() const {
+    std::vector<Contact> found;
+    for (const Contact& c : drive->obstacles.contacts)
+      if (c.age > 0.0F) found.push_back(c);
+    return found;
+  }
+  [[nodiscard]] double sinceLastSeen() const { return drive->obstacles.view.stamp - last_seen; }
+
+  std::unique_ptr<Drive> drive;
+  double x = 0.0, step = 0.0;
+  double last_seen = 0.0;
+};
+
+TEST_F(Dazzled, HoldsWhatStoodThereWithItsAge) {
+  arrive();
+  dazzle();
+  const Obstacles& now = drive->obstacles;
+  ASSERT_GT(held().size(), 10U);
+  EXPECT_EQ(now.age, 0.0F);
+  for (const Contact& c : held()) {
+    EXPECT_LT(drive->scene.distanceToOutline(drive->last * c.p_base.cast<double>()), 0.03);
+    EXPECT_GE(double{c.age}, sinceLastSeen() - 1e-4);
+    EXPECT_LE(double{c.age}, sinceLastSeen() + 1.0);
+    const Bearing& bearing = now.bearings[static_cast<std::size_t>(c.bearing)];
+    EXPECT_EQ(bearing.state, BearingState::Occupied);
+    EXPECT_NEAR(double{bearing.range}, (c.p_base.cast<double>() - now.view.cameraFoot()).norm(),
+                1e-3);
+    EXPECT_EQ(bearing.near, bearing.range) << "no floor was seen in front of it";
+    EXPECT_GT(c.height, 0.1F);
+    EXPECT_GT(c.v, 100.0F);
+  }
+}
+
+TEST_F(Dazzled, OnOneSideItSeesTheOtherAsEver) {
+  arrive();
+  dazzle(0.5);
+  const auto& contacts = drive->obstacles.contacts;
+  EXPECT_GT(held().size(), 4U);
+  EXPECT_GT(contacts.size(), held().size() + 4);
+  for (std::size_t k = 1; k < contacts.size(); ++k)
+    EXPECT_LT(contacts[k - 1].bearing, contacts[k].bearing);
+}
+
+TEST_F(Dazzled, WhatAStandingRobotSawIsOfNoUse) {
+  arrive();
+  drive->index += 2;
+  for (int k = 0; k < 30; ++k) ASSERT_EQ(drive->at({x, 0.0, 0.0}), FrameStatus::Watched);
+  dazzle();
+  ASSERT_GT(held().size(), 10U);
+  for (const Contact& c : held()) EXPECT_GE(double{c.age}, sinceLastSeen() - 1e-4);
+}
+
+TEST_F(Dazzled, HoldsNothingFartherThanItLooks) {
+  SweepParameters parameters = test::smallParameters();
+  for (const double range : {2.3, 2.05}) {
+    parameters.grid.max_range = range;
+    arrive(parameters, -0.25);
+    dazzle();
+    EXPECT_EQ(held().empty(), range < 2.1) << range;
+  }
+}
+
+TEST_F(Dazzled, HoldsNothingWhereThatIsNotAskedForOrAfterAReset) {
+  SweepParameters parameters = test::smallParameters();
+  parameters.foot.hold_sights = 0;
+  arrive(parameters);
+  dazzle();
+  EXPECT_TRUE(held().empty());
+  arrive();
+  drive->detector.reset();
+  dazzle(0.5);
+  ASSERT_FALSE(drive->obstacles.bearings.empty());
+  EXPECT_TRUE(held().empty());
+}
+
 TEST(SweepDetector, SaysWhyThereIsNoAnswer) {
   Drive drive;
   EXPECT_EQ(drive.at({0, 0, 0}), FrameStatus::NoReference);

@@ -12,9 +12,9 @@
 namespace ipm_mapping::sweep {
 
 /// What was found at a place again and again and looks there as it did stands there still, though
-/// this frame's parallax does not show it. In ln r a face on the floor is as high from near and from
-/// far, so its rows are compared as they are: with e the change of a beam's mean grey levels and g
-/// those of the last sight, over the rows around the foot,
+/// this frame's parallax does not show it. In ln r a face on the floor is as high from near and
+/// from far, so its rows are compared as they are: with e the change of a beam's mean grey levels
+/// and g those of the last sight, over the rows around the foot,
 ///   sum (e - mean e)^2 <= hold_change sum (g - mean g)^2 + n noise^2.
 /// What has gone shows floor instead. `hold_sights` sights of one place are needed, 0.15 s
 /// apart, within `hold_memory` seconds. Floor that is reported free where it was forgets it.
@@ -34,8 +34,7 @@ class HeldContact {
   /// floor's own motion; `seconds` count up, but not while the robot stands.
   const std::vector<Held>& follow(const ComparedFrame& frame, const SE2& T_floor_foot,
                                   double seconds, bool new_evidence,
-                                  const std::vector<BeamChoice>& choices,
-                                  const Obstacles& answer);
+                                  const std::vector<BeamChoice>& choices, const Obstacles& answer);
 
  private:
   static constexpr int rows_below = 5, rows_above = 16;  // of a face, the foot's with those below
