@@ -7,7 +7,7 @@
 namespace ipm_mapping::sweep {
 namespace {
 
-constexpr double between_looks = 0.15;  // seconds: from frame to frame a mistake is the same
+constexpr double between_looks = 0.25;  // seconds: from frame to frame a mistake is the same
 constexpr double same_place = 5.0;      // candidates between sights
 constexpr double seen_through = 3.0;    // by which free floor reaches farther
 constexpr int lowest_face = 3;          // rows above the foot

@@ -19,7 +19,7 @@ struct FootParameters {
   double foot_doubt = 10.0;
   double foot_score = 0.5;
   double foot_memory = 3.0;
-  int hold_sights = 3;
+  int hold_sights = 2;
   double hold_memory = 6.0;
   double hold_change = 0.6;
 
@@ -56,7 +56,7 @@ struct FootParameters {
           "where a contact was seen this short a time ago, an edge like the one at its foot is a "
           "contact still; 0: not");
     field("hold_sights", self.hold_sights, Unit{""}, Range{0, 30},
-          "a place where contacts were seen so often, 0.15 s apart, has one as long as it looks as "
+          "a place where contacts were seen so often, 0.25 s apart, has one as long as it looks as "
           "it did and is not seen to be floor; 0: not");
     field("hold_memory", self.hold_memory, Unit{"s"}, Range{0.2, 30.0},
           "for how long a sight of a place counts for that");

@@ -16,7 +16,7 @@ namespace ipm_mapping::sweep {
 /// from far, so its rows are compared as they are: with e the change of a beam's mean grey levels
 /// and g those of the last sight, over the rows around the foot,
 ///   sum (e - mean e)^2 <= hold_change sum (g - mean g)^2 + n noise^2.
-/// What has gone shows floor instead. `hold_sights` sights of one place are needed, 0.15 s
+/// What has gone shows floor instead. `hold_sights` sights of one place are needed, 0.25 s
 /// apart, within `hold_memory` seconds. Floor that is reported free where it was forgets it.
 class HeldContact {
  public:
