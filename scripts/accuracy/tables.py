@@ -28,7 +28,8 @@ coverage is of the outline cells that were ever visible within 2 m. *Free beyond
 reported free, the share whose free range ends more than 10 cm behind the first outline along them:
 floor that is promised where something stands. *Free way*: of the way to the first outline, or 2 m,
 over all bearings, the share that is reported free. Frames stand for themselves, except that the default
-detector knows feet that it saw in the last three seconds ([without](sweep.md#what-time-adds)).
+detector knows feet that it saw in the last three seconds, and holds what looks as it did where it was
+seen in the last six ([without](sweep.md#what-time-adds)).
 Frames in which the robot stands count in the scenes that are about that (`standing`), where a detector
 looks on (`default`)."""
 
