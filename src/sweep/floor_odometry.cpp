@@ -7,7 +7,6 @@ namespace ipm_mapping::sweep {
 namespace {
 
 constexpr double unknown_variance = 1e6;  // of a velocity before there is a second frame
-constexpr double standing = 1e-6;         // metres and radians that are no motion
 
 /// Rotates x and y of (x, y, theta).
 Eigen::Matrix3d turnedBy(double theta) {
@@ -80,10 +79,9 @@ FloorOdometry::Place FloorOdometry::arrive(const FloorObservation& now) const {
   place.pose = now.T_odom_base;
   if (!started_) return place;
   const SE2 step = last_.T_odom_base.inverse() * now.T_odom_base;
-  const double way = step.distance(), turn = std::abs(step.theta);
-  place.way = last_.way + way;
-  place.turn = last_.turn + turn;
-  place.going = last_.going + (way + turn > standing ? now.stamp - last_.stamp : 0.0);
+  place.way = last_.way + step.distance();
+  place.turn = last_.turn + std::abs(step.theta);
+  place.going = last_.going + (hasChanged(step) ? now.stamp - last_.stamp : 0.0);
   return place;
 }
 

@@ -19,6 +19,12 @@ struct OdometryOfFrame {
   }
 };
 
+/// Whether odometry changed from one frame to the next.
+[[nodiscard]] inline bool hasChanged(const SE2& step) {
+  constexpr double no_motion = 1e-6;  // metres and radians
+  return step.distance() + std::abs(step.theta) > no_motion;
+}
+
 /// Counts the seconds in which odometry changed: those in which it may have gone wrong. A gyroscope
 /// that drifts while the robot stands changes it too.
 class GoingClock {
@@ -28,8 +34,7 @@ class GoingClock {
   double add(const OdometryOfFrame& frame, double stamp) {
     const double clock = stamp - frame.time_offset;
     if (started_) {
-      const SE2 step = last_.inverse() * frame.T_odom_base;
-      if (step.distance() + std::abs(step.theta) > no_motion) seconds_ += clock - last_clock_;
+      if (hasChanged(last_.inverse() * frame.T_odom_base)) seconds_ += clock - last_clock_;
     }
     started_ = true;
     last_ = frame.T_odom_base;
@@ -38,7 +43,6 @@ class GoingClock {
   }
 
  private:
-  static constexpr double no_motion = 1e-6;  // metres and radians
   bool started_ = false;
   SE2 last_;
   double last_clock_ = 0.0, seconds_ = 0.0;
