@@ -7,6 +7,7 @@
 namespace ipm_mapping::sweep {
 namespace {
 
+constexpr double never = -std::numeric_limits<double>::infinity();
 constexpr double between_looks = 0.25;  // seconds: from frame to frame a mistake is the same
 constexpr double same_place = 5.0;      // candidates between sights
 constexpr double seen_through = 3.0;    // by which free floor reaches farther
@@ -28,10 +29,15 @@ void HeldContact::configure(const VerticalSweep& sweep, const FootParameters& pa
   grid_ = sweep.scoreGrid();
   const auto beams = static_cast<std::size_t>(sweep.beams());
   const auto looks = static_cast<std::size_t>(parameters.hold_memory / between_looks) + 1;
-  sights_.clear();
+  reset();
   sights_.reserve(looks * beams);
   places_.assign(beams, Place{});
   held_.assign(beams, Held{});
+}
+
+void HeldContact::reset() {
+  sights_.clear();
+  looked_ = never;
 }
 
 void HeldContact::forget(double seconds) {
@@ -63,7 +69,7 @@ void HeldContact::assign(const SE2& T_foot_floor, const Obstacles& answer) {
     const Bearing& bearing = answer.bearings[nearest];
     if (bearing.state == BearingState::Free &&
         grid_.candidate(double{bearing.range}) < candidate - seen_through)
-      sight.seconds = -std::numeric_limits<double>::infinity();
+      sight.seconds = never;
     else
       count(places_[nearest], candidate, i);
   }
@@ -104,7 +110,8 @@ bool HeldContact::looksAsBefore(const ComparedFrame& frame, int beam, double can
 
 void HeldContact::remember(const ComparedFrame& frame, const SE2& T_floor_foot, double seconds,
                            const std::vector<BeamChoice>& choices, const Obstacles& answer) {
-  if (!sights_.empty() && seconds - sights_.back().seconds < between_looks) return;
+  if (seconds - looked_ < between_looks) return;
+  looked_ = seconds;
   ++look_;
   for (const Contact& contact : answer.contacts) {
     const BeamChoice& choice = choices[static_cast<std::size_t>(contact.bearing)];

@@ -112,6 +112,29 @@ TEST_F(HeldContactTest, TwoSightsAreTooFewAndThreeAtOnceAreOne) {
   EXPECT_GT(look(10.7), 0);
 }
 
+/// What is seen to be floor beside it does not make a sight of the next frame's.
+TEST_F(HeldContactTest, ForgettingOneDoesNotHastenAnother) {
+  see(10.0);
+  ask(wall + way);
+  for (int beam = first; beam < last - 3; ++beam) {
+    BeamChoice& choice = choices[static_cast<std::size_t>(beam)];
+    choice.candidate =
+        static_cast<float>(candidateAt((wall + way) / std::cos(sweep.azimuth(beam))));
+    choice.top = static_cast<int>(sweep.sweepRow(choice.candidate)) - 12;
+    Contact contact;
+    contact.bearing = beam;
+    answer.contacts.push_back(contact);
+  }
+  for (int beam = last - 3; beam <= last; ++beam) {
+    Bearing& bearing = answer.bearings[static_cast<std::size_t>(beam)];
+    bearing.state = BearingState::Free;
+    bearing.range = 2.0F;
+  }
+  follow(SE2{}, 10.1);
+  see(10.4);
+  EXPECT_EQ(look(10.5), 0);
+}
+
 /// From farther off several beams of before fall into one.
 TEST_F(HeldContactTest, OneFrameIsOneSight) {
   constexpr double back = -0.5;

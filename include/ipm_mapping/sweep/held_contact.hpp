@@ -27,7 +27,7 @@ class HeldContact {
   };
 
   void configure(const VerticalSweep& sweep, const FootParameters& parameters);
-  void reset() { sights_.clear(); }
+  void reset();
 
   /// What is held, of every beam that has no contact in the answer; then remembers the answer's
   /// contacts if they are `new_evidence`. `T_floor_foot` is the pose of the camera's foot by the
@@ -71,6 +71,7 @@ class HeldContact {
   FootParameters parameters_;
   ScoreGrid grid_;
   int look_ = 0;
+  double looked_ = 0.0;  // seconds of it
   std::vector<Sight> sights_;  // oldest first
   std::vector<Place> places_;  // of every beam
   std::vector<Held> held_;     // of every beam
