@@ -183,11 +183,12 @@ void SweepDetector::withdrawDoubtful(Obstacles& obstacles) const {
   contacts.erase(std::remove_if(contacts.begin(), contacts.end(), doubtful), contacts.end());
 }
 
-/// Bearings without a contact get what is held. Floor is free up to it only where this frame shows
-/// that.
+/// Bearings without a contact get what is held. Where this frame does not show the floor up to it the
+/// bearing says what it said: something nearer may stand there, and nobody may clear the way.
 void SweepDetector::holdContacts(const ComparedFrame& frame, bool new_evidence,
                                  Obstacles& obstacles) {
-  constexpr float gap = 0.05F;  // metres between free floor and a contact behind it
+  constexpr float gap = 0.05F;        // metres between free floor and a contact behind it
+  constexpr float least_age = 1e-6F;  // seconds: above 0 means remembered
   const auto& held =
       held_contact_.follow(frame, footAt(current_.T_floor_base), current_.stamp - stood_,
                            new_evidence, choices_, obstacles);
@@ -199,12 +200,14 @@ void SweepDetector::holdContacts(const ComparedFrame& frame, bool new_evidence,
     Bearing& bearing = obstacles.bearings[static_cast<std::size_t>(beam)];
     if (range > rangeLimit(sweep_.azimuth(beam)) || range < bearing.near) continue;
     const bool floor_in_front = bearing.state == BearingState::Free && bearing.range >= range - gap;
-    if (!floor_in_front) bearing.near = range;
-    bearing.state = BearingState::Occupied;
-    bearing.range = range;
-    bearing.density = choice.score;
+    if (floor_in_front) {
+      bearing.state = BearingState::Occupied;
+      bearing.range = range;
+      bearing.density = choice.score;
+    }
     obstacles.contacts.push_back(contactOf(beam, choice));
-    obstacles.contacts.back().age = static_cast<float>(obstacles.view.stamp - stamp);
+    obstacles.contacts.back().age =
+        std::max(least_age, static_cast<float>(obstacles.view.stamp - stamp));
   }
   const auto by_bearing = [](const Contact& a, const Contact& b) { return a.bearing < b.bearing; };
   std::inplace_merge(obstacles.contacts.begin(),
