@@ -12,6 +12,11 @@ Eigen::Vector2d placeOf(const Contact& contact, const Obstacles& obstacles) {
   return obstacles.view.T_odom_base * contact.p_base.cast<double>();
 }
 
+/// A held contact may stand behind what its bearing says of the floor.
+void withdraw(Bearing& bearing) {
+  if (bearing.state == BearingState::Occupied) bearing.state = BearingState::Unknown;
+}
+
 }  // namespace
 
 ContactConfirmation::ContactConfirmation(const MemoryParameters& parameters)
@@ -49,7 +54,7 @@ void ContactConfirmation::apply(Obstacles& obstacles) {
     if (contact.moving || confirmed(placeOf(contact, obstacles)))
       obstacles.contacts[kept++] = contact;
     else
-      obstacles.bearings[static_cast<std::size_t>(contact.bearing)].state = BearingState::Unknown;
+      withdraw(obstacles.bearings[static_cast<std::size_t>(contact.bearing)]);
   }
   obstacles.contacts.resize(kept);
 }

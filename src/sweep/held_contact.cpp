@@ -13,7 +13,6 @@ constexpr double same_place = 5.0;      // candidates between sights
 constexpr double seen_through = 3.0;    // by which free floor reaches farther
 constexpr int lowest_face = 3;          // rows above the foot
 constexpr int least_rows = 4;           // of a face that is cut off by the view
-constexpr float noise = 1.0F;           // grey levels, of a beam's mean, and of a row's place
 
 /// Mean grey level of a beam in one row.
 float greyAt(const ComparedFrame& frame, int beam, int row) {
@@ -40,8 +39,8 @@ void HeldContact::reset() {
   looked_ = never;
 }
 
-void HeldContact::forget(double seconds) {
-  const auto old = [&](const Sight& s) { return seconds - s.seconds > parameters_.hold_memory; };
+void HeldContact::forget(double stamp) {
+  const auto old = [&](const Sight& s) { return stamp - s.stamp > parameters_.hold_memory; };
   sights_.erase(std::remove_if(sights_.begin(), sights_.end(), old), sights_.end());
 }
 
@@ -56,7 +55,7 @@ void HeldContact::count(Place& place, double candidate, int sight) const {
 }
 
 /// From the newest sight to the oldest: the newest of a beam says where, the others how often.
-void HeldContact::assign(const SE2& T_foot_floor, const Obstacles& answer) {
+void HeldContact::assign(const SE2& T_foot_floor, bool new_evidence, const Obstacles& answer) {
   std::fill(places_.begin(), places_.end(), Place{});
   const auto end = static_cast<double>(places_.size()) - 0.5;
   for (int i = static_cast<int>(sights_.size()) - 1; i >= 0; --i) {
@@ -67,11 +66,12 @@ void HeldContact::assign(const SE2& T_foot_floor, const Obstacles& answer) {
     const auto nearest = static_cast<std::size_t>(std::lround(beam));
     const double candidate = grid_.candidate(p.norm());
     const Bearing& bearing = answer.bearings[nearest];
-    if (bearing.state == BearingState::Free &&
-        grid_.candidate(double{bearing.range}) < candidate - seen_through)
-      sight.seconds = never;
-    else
+    const bool is_floor = bearing.state == BearingState::Free &&
+                          grid_.candidate(double{bearing.range}) < candidate - seen_through;
+    if (!is_floor)
       count(places_[nearest], candidate, i);
+    else if (new_evidence)
+      sight.stamp = never;
   }
 }
 
@@ -104,21 +104,19 @@ bool HeldContact::looksAsBefore(const ComparedFrame& frame, int beam, double can
     for (int j = begin; j < end; ++j) sum += (value(j) - mean) * (value(j) - mean);
     return sum;
   };
-  return variation(change) <=
-         static_cast<float>(parameters_.hold_change) * variation(was) + noise * noise * rows;
+  return variation(change) <= static_cast<float>(parameters_.hold_change) * variation(was);
 }
 
-void HeldContact::remember(const ComparedFrame& frame, const SE2& T_floor_foot, double seconds,
+void HeldContact::remember(const ComparedFrame& frame, const SE2& T_floor_foot,
                            const std::vector<BeamChoice>& choices, const Obstacles& answer) {
-  if (seconds - looked_ < between_looks) return;
-  looked_ = seconds;
+  if (answer.view.stamp - looked_ < between_looks) return;
+  looked_ = answer.view.stamp;
   ++look_;
   for (const Contact& contact : answer.contacts) {
     const BeamChoice& choice = choices[static_cast<std::size_t>(contact.bearing)];
     if (choice.moving || sights_.size() == sights_.capacity()) continue;
     Sight sight;
     sight.p_floor = T_floor_foot * grid_.point(contact.bearing, double{choice.candidate});
-    sight.seconds = seconds;
     sight.stamp = answer.view.stamp;
     sight.look = look_;
     sight.score = choice.score;
@@ -130,14 +128,14 @@ void HeldContact::remember(const ComparedFrame& frame, const SE2& T_floor_foot, 
 }
 
 const std::vector<HeldContact::Held>& HeldContact::follow(const ComparedFrame& frame,
-                                                          const SE2& T_floor_foot, double seconds,
+                                                          const SE2& T_floor_foot,
                                                           bool new_evidence,
                                                           const std::vector<BeamChoice>& choices,
                                                           const Obstacles& answer) {
   std::fill(held_.begin(), held_.end(), Held{});
   if (parameters_.hold_sights <= 0 || answer.bearings.size() != held_.size()) return held_;
-  forget(seconds);
-  assign(T_floor_foot.inverse(), answer);
+  forget(answer.view.stamp);
+  assign(T_floor_foot.inverse(), new_evidence, answer);
   for (std::size_t beam = 0; beam < held_.size(); ++beam) {
     const BearingState state = answer.bearings[beam].state;
     const Place& place = places_[beam];
@@ -153,7 +151,7 @@ const std::vector<HeldContact::Held>& HeldContact::follow(const ComparedFrame& f
     choice.top = static_cast<int>(frame.sweep.sweepRow(place.candidate)) - sight.support;
     held_[beam].stamp = sight.stamp;
   }
-  if (new_evidence) remember(frame, T_floor_foot, seconds, choices, answer);
+  if (new_evidence) remember(frame, T_floor_foot, choices, answer);
   return held_;
 }
 

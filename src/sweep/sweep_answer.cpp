@@ -183,15 +183,14 @@ void SweepDetector::withdrawDoubtful(Obstacles& obstacles) const {
   contacts.erase(std::remove_if(contacts.begin(), contacts.end(), doubtful), contacts.end());
 }
 
-/// Bearings without a contact get what is held. Where this frame does not show the floor up to it the
-/// bearing says what it said: something nearer may stand there, and nobody may clear the way.
+/// Bearings without a contact get what is held. Where this frame does not show the floor up to it
+/// the bearing says what it said: something nearer may stand there, and nobody may clear the way.
 void SweepDetector::holdContacts(const ComparedFrame& frame, bool new_evidence,
                                  Obstacles& obstacles) {
   constexpr float gap = 0.05F;        // metres between free floor and a contact behind it
   constexpr float least_age = 1e-6F;  // seconds: above 0 means remembered
   const auto& held =
-      held_contact_.follow(frame, footAt(current_.T_floor_base), current_.stamp - stood_,
-                           new_evidence, choices_, obstacles);
+      held_contact_.follow(frame, footAt(current_.T_floor_base), new_evidence, choices_, obstacles);
   const std::size_t seen = obstacles.contacts.size();
   for (int beam = 0; beam < sweep_.beams(); ++beam) {
     const auto& [choice, stamp] = held[static_cast<std::size_t>(beam)];

@@ -76,6 +76,12 @@ TEST(ContactConfirmation, WhatIsHeldConfirmsNothing) {
   EXPECT_EQ(look(0.0F), 1U);
   EXPECT_EQ(look(0.1F), 1U) << "two of the last four saw it";
   EXPECT_EQ(look(0.2F), 0U) << "one of the last four";
+  Obstacles obstacles = answer({}, {{3.0, 0.3}});
+  obstacles.contacts[0].age = 0.2F;
+  obstacles.bearings[0].state = BearingState::Free;
+  confirmation.apply(obstacles);
+  EXPECT_TRUE(obstacles.contacts.empty());
+  EXPECT_EQ(obstacles.bearings[0].state, BearingState::Free) << "the floor in front of it is";
 }
 
 /// A robot that stands sees the same again.

@@ -35,7 +35,7 @@ class HeldContactTest : public PlainWall {
       choice.candidate = static_cast<float>(candidateAt(distance / std::cos(sweep.azimuth(beam))));
       choice.score = 30.0F;
       choice.moving = moving;
-      choice.top = static_cast<int>(sweep.sweepRow(choice.candidate)) - 12;
+      choice.top = static_cast<int>(sweep.sweepRow(choice.candidate)) - support;
       Contact contact;
       contact.bearing = beam;
       answer.contacts.push_back(contact);
@@ -69,11 +69,10 @@ class HeldContactTest : public PlainWall {
     std::fill(choices.begin(), choices.end(), BeamChoice{});
   }
   int follow(const SE2& T_floor_foot, double seconds) {
-    answer.view.stamp = 1000.0 + seconds;
+    answer.view.stamp = seconds;
     const SweepReference one = reference();
     const CurrentView now = current();
-    found =
-        held.follow({now, &one, 1, sweep}, T_floor_foot, seconds, new_evidence, choices, answer);
+    found = held.follow({now, &one, 1, sweep}, T_floor_foot, new_evidence, choices, answer);
     return static_cast<int>(std::count_if(found.begin(), found.end(),
                                           [](const auto& one) { return one.choice.any(); }));
   }
@@ -82,6 +81,8 @@ class HeldContactTest : public PlainWall {
   }
 
   bool new_evidence = true, moving = false;
+  int support = 12;  // rows
+  int contrast = floor_grey - wall_grey;
   HeldContact held;
   Obstacles answer;
   std::vector<BeamChoice> choices;
@@ -97,7 +98,7 @@ TEST_F(HeldContactTest, WhatWasSeenThriceIsHeldWhereTheRobotSeesItNow) {
     EXPECT_NEAR(choice.candidate, foot(beam), 0.6) << beam;
     EXPECT_EQ(choice.score, 30.0F);
     EXPECT_NEAR(sweep.sweepRow(choice.candidate) - choice.top, 12.0, 1.0) << "as high as it was";
-    EXPECT_NEAR(stamp, 1010.4, 1e-9) << "of the last sight";
+    EXPECT_NEAR(stamp, 10.4, 1e-9) << "of the last sight";
   }
 }
 
@@ -181,6 +182,34 @@ TEST_F(HeldContactTest, ALineOnTheFloorIsNotTheWall) {
   EXPECT_EQ(lookAgain(10.6), 0);
 }
 
+/// However faint: floor of one colour is never the wall.
+TEST_F(HeldContactTest, WhatWasHardlyToBeSeenIsNotHeldOnBareFloor) {
+  for (int line = 0; line < grid.lines; ++line)
+    for (int row = 0; row < grid.sweepRows(); ++row)
+      grey.at(row, line) = static_cast<std::int16_t>(floor_grey * kernels::grey_unit);
+  const Image<std::int16_t> floor = grey;
+  contrast = 2;
+  seeThrice();
+  grey = floor;
+  EXPECT_EQ(lookAgain(10.6), 0);
+  EXPECT_GT(look(10.7), 0);
+}
+
+/// Above its few rows there is what stands behind it, which moves differently.
+TEST_F(HeldContactTest, OfALowThingOnlyItsOwnRowsCount) {
+  support = 4;
+  seeThrice();
+  ask(wall);
+  for (int beam = 0; beam < sweep.beams(); ++beam) {
+    const int top = static_cast<int>(std::lround(sweep.sweepRow(foot(beam)))) - support - 1;
+    for (int line = sweep.firstLine(beam); line < sweep.firstLine(beam) + kernels::beam_lines;
+         ++line)
+      for (int row = 0; row < top; ++row)
+        grey.at(row, line) = static_cast<std::int16_t>(200 * kernels::grey_unit);
+  }
+  EXPECT_GE(lookAgain(10.6), (last - first) / 2);
+}
+
 TEST_F(HeldContactTest, BrighterAllOverItIsTheSame) {
   seeThrice();
   ask(wall);
@@ -195,6 +224,10 @@ TEST_F(HeldContactTest, FloorSeenThereForgetsIt) {
   seeThrice();
   EXPECT_GT(look(10.6, BearingState::Free, 0.9 * wall), 0) << "floor up to it";
   EXPECT_GT(look(10.7, BearingState::Free, wall), 0);
+  new_evidence = false;
+  EXPECT_EQ(look(10.75, BearingState::Free, 1.2 * wall), 0);
+  EXPECT_GT(look(10.77), 0) << "a frame that is no evidence forgets nothing";
+  new_evidence = true;
   EXPECT_EQ(look(10.8, BearingState::Free, 1.2 * wall), 0);
   EXPECT_EQ(look(10.9), 0);
 }
@@ -216,8 +249,10 @@ TEST_F(HeldContactTest, WhatMovesOrIsNoNewEvidenceIsNotHeld) {
   moving = true;
   seeThrice();
   EXPECT_EQ(look(10.6), 0);
+  held.reset();
   moving = new_evidence = false;
   seeThrice();
+  new_evidence = true;
   EXPECT_EQ(look(10.6), 0);
 }
 
@@ -228,6 +263,8 @@ TEST_F(HeldContactTest, AFaceAtTheEndOfTheViewIsComparedAsFarAsItIsSeen) {
   const int row = static_cast<int>(std::lround(sweep.sweepRow(foot((first + last) / 2))));
   endViewAt(row + 1);
   EXPECT_GE(look(10.7), whole / 2);
+  endViewAt(row - 13);
+  EXPECT_EQ(look(10.8), 0) << "three rows of it";
 }
 
 TEST_F(HeldContactTest, SwitchedOffOrResetNothingIsHeld) {

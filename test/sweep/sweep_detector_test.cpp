@@ -311,6 +311,14 @@ TEST_F(Dazzled, WhatAStandingRobotSawIsOfNoUse) {
   for (const Contact& c : held()) EXPECT_GE(double{c.age}, sinceLastSeen() - 1e-4);
 }
 
+TEST_F(Dazzled, AfterAMinuteOfStandingItWaitsForANewSight) {
+  arrive();
+  drive->index += 600;
+  ASSERT_EQ(drive->at({x, 0.0, 0.0}), FrameStatus::Watched);
+  dazzle();
+  EXPECT_TRUE(held().empty());
+}
+
 TEST_F(Dazzled, HoldsNothingFartherThanItLooks) {
   SweepParameters parameters = test::smallParameters();
   for (const double range : {2.3, 2.05}) {

@@ -55,11 +55,11 @@ struct FootParameters {
     field("foot_memory", self.foot_memory, Unit{"s"}, Range{0.0, 60.0},
           "where a contact was seen this short a time ago, an edge like the one at its foot is a "
           "contact still; 0: not");
-    field("hold_sights", self.hold_sights, Unit{""}, Range{0, 30},
+    field("hold_sights", self.hold_sights, Unit{""}, Range{0, 10},
           "a place where contacts were seen so often, 0.25 s apart, has one as long as it looks as "
           "it did and is not seen to be floor; 0: not");
-    field("hold_memory", self.hold_memory, Unit{"s"}, Range{0.2, 30.0},
-          "for how long a sight of a place counts for that");
+    field("hold_memory", self.hold_memory, Unit{"s"}, Range{0.5, 30.0},
+          "for how long a sight of a place counts for that: at least 0.25 for each of hold_sights");
     field("hold_change", self.hold_change, Unit{""}, Range{0.0, 1.0},
           "it looks as it did where its rows have changed by no more than this share of how much "
           "they differ (variances)");
