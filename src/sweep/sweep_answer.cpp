@@ -183,11 +183,10 @@ void SweepDetector::withdrawDoubtful(Obstacles& obstacles) const {
   contacts.erase(std::remove_if(contacts.begin(), contacts.end(), doubtful), contacts.end());
 }
 
-/// Bearings without a contact get what is held. Where this frame does not show the floor up to it
-/// the bearing says what it said: something nearer may stand there, and nobody may clear the way.
+/// Bearings without a contact get what is held, and go on saying what they say of the floor: this
+/// frame does not show what stands in front of it.
 void SweepDetector::holdContacts(const ComparedFrame& frame, bool new_evidence,
                                  Obstacles& obstacles) {
-  constexpr float gap = 0.05F;        // metres between free floor and a contact behind it
   constexpr float least_age = 1e-6F;  // seconds: above 0 means remembered
   const auto& held =
       held_contact_.follow(frame, footAt(current_.T_floor_base), new_evidence, choices_, obstacles);
@@ -195,15 +194,9 @@ void SweepDetector::holdContacts(const ComparedFrame& frame, bool new_evidence,
   for (int beam = 0; beam < sweep_.beams(); ++beam) {
     const auto& [choice, stamp] = held[static_cast<std::size_t>(beam)];
     if (!choice.any()) continue;
-    const auto range = static_cast<float>(sweep_.distance(choice.candidate));
-    Bearing& bearing = obstacles.bearings[static_cast<std::size_t>(beam)];
-    if (range > rangeLimit(sweep_.azimuth(beam)) || range < bearing.near) continue;
-    const bool floor_in_front = bearing.state == BearingState::Free && bearing.range >= range - gap;
-    if (floor_in_front) {
-      bearing.state = BearingState::Occupied;
-      bearing.range = range;
-      bearing.density = choice.score;
-    }
+    const double range = sweep_.distance(choice.candidate);
+    const double nearest = obstacles.bearings[static_cast<std::size_t>(beam)].near;
+    if (range > rangeLimit(sweep_.azimuth(beam)) || range < nearest) continue;
     obstacles.contacts.push_back(contactOf(beam, choice));
     obstacles.contacts.back().age =
         std::max(least_age, static_cast<float>(obstacles.view.stamp - stamp));

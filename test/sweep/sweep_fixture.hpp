@@ -21,6 +21,8 @@ class GrainedScene {
   CameraModel camera;
   CameraPose T_base_camera;
   std::vector<Box> boxes;
+  double wall_contrast = 100.0;  // grey levels of the boxes' grain
+  double wall_shift = 0.0;       // metres that it has gone over their faces
 
   GrainedScene(const CameraModel& camera_model, const CameraPose& pose)
       : camera(camera_model), T_base_camera(pose) {
@@ -130,7 +132,7 @@ class GrainedScene {
     nearest = enter;
     const Eigen::Vector3d p = eye + enter * direction;
     const double s = side == 0 ? p.y() : p.x(), t = side == 2 ? p.y() : p.z();
-    value = (side == 0 ? 70.0 : 85.0) + 100.0 * (wall_(s, t) - 0.5);
+    value = (side == 0 ? 70.0 : 85.0) + wall_contrast * (wall_(s + wall_shift, t) - 0.5);
   }
 
   Texture floor_{1, 0.05}, wall_{9, 0.025};
