@@ -38,7 +38,7 @@ class HeldContact {
                                   const Obstacles& answer);
 
  private:
-  static constexpr int rows_below = 5, rows_above = 16;  // of a face, the foot's with those below
+  static constexpr int rows_below = 5, rows_above = 16;  // of a face; the foot's is one below
 
   /// Mean grey levels of a beam, rows `begin` to `end` - 1 counted from the foot's.
   struct Face {
