@@ -24,8 +24,9 @@ class HeldContactTest : public PlainWall {
     for (int line = 0; line < grid.lines; ++line)
       for (int row = 0; row < grid.sweepRows(); ++row)
         grey.at(row, line) = static_cast<std::int16_t>(
-            kernels::grey_unit *
-            (2 * row < grid.row(distance / std::cos(grid.azimuth(line))) ? wall_grey : floor_grey));
+            kernels::grey_unit * (2 * row < grid.row(distance / std::cos(grid.azimuth(line)))
+                                      ? floor_grey - contrast
+                                      : floor_grey));
   }
   /// The wall at `wall` + `way`, seen by its own parallax.
   void see(double seconds, double distance = wall + way) {
