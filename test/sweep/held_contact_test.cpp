@@ -19,15 +19,6 @@ class HeldContactTest : public PlainWall {
     parameters.hold_sights = 3;
     held.configure(sweep, parameters);
   }
-  /// The picture of a wall so far away.
-  void paintWall(double distance) {
-    for (int line = 0; line < grid.lines; ++line)
-      for (int row = 0; row < grid.sweepRows(); ++row)
-        grey.at(row, line) = static_cast<std::int16_t>(
-            kernels::grey_unit * (2 * row < grid.row(distance / std::cos(grid.azimuth(line)))
-                                      ? floor_grey - contrast
-                                      : floor_grey));
-  }
   /// The wall at `wall` + `way`, seen by its own parallax.
   void see(double seconds, double distance = wall + way) {
     ask(distance);
@@ -64,7 +55,7 @@ class HeldContactTest : public PlainWall {
     return follow({x, 0.0, 0.0}, seconds);
   }
   void ask(double distance) {
-    paintWall(distance);
+    paintWall(distance, floor_grey - contrast);
     answer.contacts.clear();
     answer.bearings.assign(choices.size(), Bearing{});
     std::fill(choices.begin(), choices.end(), BeamChoice{});

@@ -43,6 +43,15 @@ class PlainWall : public ::testing::Test {
     for (RowRange& range : rows) range.end = std::min(range.end, end);
     sweep.configure(grid, reference_rows, rows, max_support, evidence);
   }
+  /// A wall so far away.
+  void paintWall(double distance, int behind) {
+    for (int line = 0; line < grid.lines; ++line) {
+      const double row = grid.row(distance / std::cos(grid.azimuth(line)));
+      for (int j = 0; j < grid.sweepRows(); ++j)
+        grey.at(j, line) = static_cast<std::int16_t>(
+            kernels::grey_unit * (PolarGrid::rows_per_sweep_row * j < row ? behind : floor_grey));
+    }
+  }
   /// The wall as some beams see it.
   void paint(int first, int last, int behind) {
     for (int line = sweep.firstLine(first); line < sweep.firstLine(last) + kernels::beam_lines;

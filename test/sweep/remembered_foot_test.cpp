@@ -24,12 +24,7 @@ class Remembered : public PlainWall {
   void see(double stamp, int from, int to, bool by_edge, bool doubtful) {
     clear();
     const Image<std::int16_t> later = grey;
-    for (int line = 0; line < grid.lines; ++line)
-      for (int row = 0; row < grid.sweepRows(); ++row)
-        grey.at(row, line) = static_cast<std::int16_t>(
-            kernels::grey_unit * (2 * row < grid.row((wall + way) / std::cos(grid.azimuth(line)))
-                                      ? wall_grey
-                                      : floor_grey));
+    paintWall(wall + way, wall_grey);
     for (int beam = from; beam <= to; ++beam) {
       BeamChoice& choice = choices[static_cast<std::size_t>(beam)];
       choice.candidate = static_cast<float>(candidateAt((wall + way) / std::cos(azimuth(beam))));
