@@ -19,6 +19,7 @@ struct CalibrationReport {
   Value yaw_rate;            ///< true heading change over odometry's, per second
   Value readout;             ///< of an image, first row to last: a rolling shutter
   Value time_offset;         ///< that an image was taken after its stamp, over the stated one
+  Value shading;             ///< of the image's corners, by the lens: share of the grey level
   double ratio_sigma = 0.0;  ///< of height over odometry's way, relative: all that the floor shows
   int pairs = 0;             ///< of frames that were compared
   bool believable = false;   ///< within the stated bounds, and enough pairs

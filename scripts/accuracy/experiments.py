@@ -35,20 +35,24 @@ LONGER = {"lab_normal": 17, "lab_hard": 17, "reversing": 14, "turning": 12,
 STANDING = ("standing", "held_out_standing")
 
 
-def scene_files(scene):
+def scene_path(scene):
+    return os.path.join(SCENES, scene + ".yaml")
+
+
+def scene_files(path):
     """A scene's file and those that it is based on, itself first."""
-    files = [os.path.join(SCENES, scene + ".yaml")]
+    files = [path]
     while True:
         with open(files[-1]) as file:
             base = yaml.safe_load(file).get("base")
         if base is None:
             return files
-        files.append(os.path.join(SCENES, base))
+        files.append(os.path.join(os.path.dirname(files[-1]), base))
 
 
 def scene_entry(scene, name):
     """A top-level entry of a scene, from the nearest file that has it."""
-    for path in scene_files(scene):
+    for path in scene_files(scene_path(scene)):
         with open(path) as file:
             entries = yaml.safe_load(file)
         if name in entries:
@@ -61,13 +65,14 @@ def frames_of(scene):
 
 
 class Case:
-    """A scene with changes, and how many frames of its drive are rendered (0: all)."""
+    """A scene with changes, and how many frames of its drive are rendered (0: all); `path` is the
+    file of one that is not in sim/scenes."""
 
-    def __init__(self, scene, changes=(), frames=0):
+    def __init__(self, scene, changes=(), frames=0, path=None):
         self.scene, self.changes, self.frames = scene, list(changes), frames
         tag = hashlib.sha256("\0".join(self.changes).encode()).hexdigest()[:8]
         self.label = f"{scene}-{frames or 'all'}" + (f"-{tag}" if self.changes else "")
-        self.path = os.path.join(SCENES, scene + ".yaml")
+        self.path = path or scene_path(scene)
         self.stands = scene in STANDING
         if not os.path.exists(self.path):
             sys.exit(f"accuracy_report: no scene {self.path}")
@@ -141,7 +146,7 @@ class Bench:
         os.makedirs(os.path.join(self.folder, "bags"), exist_ok=True)
         base = os.path.join(self.folder, "bags", case.label)
         words = [os.path.join(TOOLS, "sim_to_bag"), case.path, base + ".bag"] + case.options()
-        _do_once(words, self.render_files + scene_files(case.scene), base + ".stamp")
+        _do_once(words, self.render_files + scene_files(case.path), base + ".stamp")
         return base + ".bag", base + ".truth.json"
 
     def run(self, case, detector, settings=()):
@@ -151,7 +156,8 @@ class Bench:
         name = "-".join([case.label, detector] + ([tag] if settings else []))
         out = os.path.join(self.folder, "runs", name)
         words = [os.path.join(TOOLS, "offline_mapper"), bag, "--out", out, "--truth", truth]
-        words += (["--standing"] if case.stands else []) + DETECTORS[detector] + [w for s in settings for w in ("--set", s)]
+        words += (["--standing"] if case.stands else []) + DETECTORS[detector]
+        words += [w for s in settings for w in ("--set", s)]
         os.makedirs(out, exist_ok=True)
         _do_once(words, self.map_files + [bag], os.path.join(out, "stamp"))
         return out

@@ -48,14 +48,15 @@ void pair(GrayView in, ImageView<std::uint16_t> out) {
   }
 }
 
-std::uint8_t sampleOne(const std::uint8_t* bytes, std::uint32_t weights) {
-  std::uint32_t sum = 64;
+std::uint8_t sampleOne(const std::uint8_t* bytes, std::uint32_t weights, std::uint32_t gain) {
+  std::uint32_t sum = 0;
   for (int k = 0; k < 4; ++k) sum += bytes[k] * ((weights >> (8 * k)) & 255U);
-  return static_cast<std::uint8_t>(sum >> 7);
+  return static_cast<std::uint8_t>(std::min((sum * gain + (1U << 20)) >> 21, 255U));
 }
 
 void sample(const std::uint8_t* bytes, const std::int32_t* HWY_RESTRICT offsets,
-            const std::uint32_t* HWY_RESTRICT weights, int count, std::uint8_t* HWY_RESTRICT out) {
+            const std::uint32_t* HWY_RESTRICT weights, const std::uint16_t* HWY_RESTRICT gains,
+            int count, std::uint8_t* HWY_RESTRICT out) {
   int i = 0;
 #if HWY_TARGET != HWY_SCALAR  // which has no vectors of bytes
   const hn::ScalableTag<std::uint32_t> d32;
@@ -65,7 +66,8 @@ void sample(const std::uint8_t* bytes, const std::int32_t* HWY_RESTRICT offsets,
   const int lanes = static_cast<int>(hn::Lanes(d32));
   const auto low_bytes = hn::Set(d32, 0x00FF00FFU);
   const auto low_half = hn::Set(d32, 0x0000FFFFU);
-  const auto rounding = hn::Set(d32, 64U);
+  const hn::Rebind<std::uint16_t, decltype(d32)> d_gain;
+  const auto rounding = hn::Set(d32, 1U << 20);
   for (; i + lanes <= count; i += lanes) {
     const auto four = hn::GatherOffset(d32, reinterpret_cast<const std::uint32_t*>(bytes),
                                        hn::LoadU(di32, offsets + i));
@@ -75,11 +77,13 @@ void sample(const std::uint8_t* bytes, const std::int32_t* HWY_RESTRICT offsets,
     const auto odd = hn::Mul(hn::BitCast(d16, hn::And(hn::ShiftRight<8>(four), low_bytes)),
                              hn::BitCast(d16, hn::And(hn::ShiftRight<8>(w), low_bytes)));
     const auto both = hn::BitCast(d32, hn::Add(even, odd));  // at most 255 * 128 a half
-    const auto sum = hn::Add(hn::Add(hn::And(both, low_half), hn::ShiftRight<16>(both)), rounding);
-    hn::StoreU(hn::DemoteTo(d8, hn::BitCast(di32, hn::ShiftRight<7>(sum))), d8, out + i);
+    const auto sum = hn::Add(hn::And(both, low_half), hn::ShiftRight<16>(both));
+    const auto gain = hn::PromoteTo(d32, hn::LoadU(d_gain, gains + i));
+    const auto grey = hn::ShiftRight<21>(hn::Add(hn::Mul(sum, gain), rounding));
+    hn::StoreU(hn::DemoteTo(d8, hn::BitCast(di32, grey)), d8, out + i);
   }
 #endif
-  for (; i < count; ++i) out[i] = sampleOne(bytes + offsets[i], weights[i]);
+  for (; i < count; ++i) out[i] = sampleOne(bytes + offsets[i], weights[i], gains[i]);
 }
 
 /// A coordinate at row i moved by rows and lines, within its bounds.
@@ -143,9 +147,10 @@ void smooth121(GrayView in, GrayBuffer out) { HWY_DYNAMIC_DISPATCH(smooth)(in, o
 void pairRows(GrayView in, ImageView<std::uint16_t> out) { HWY_DYNAMIC_DISPATCH(pair)(in, out); }
 
 void samplePlan(ImageView<const std::uint16_t> pairs, const std::int32_t* offsets,
-                const std::uint32_t* weights, int count, std::uint8_t* out) {
+                const std::uint32_t* weights, const std::uint16_t* gains, int count,
+                std::uint8_t* out) {
   HWY_DYNAMIC_DISPATCH(sample)
-  (reinterpret_cast<const std::uint8_t*>(pairs.data), offsets, weights, count, out);
+  (reinterpret_cast<const std::uint8_t*>(pairs.data), offsets, weights, gains, count, out);
 }
 
 void movedPlan(const RawLine& line, const MovedRows& moved, const RawBounds& bounds, int begin,

@@ -29,6 +29,7 @@ void showCalibration(const CalibrationReport& r, StageMonitor& monitor) {
   show(monitor, "odometry_yaw_rate_deg_s", r.yaw_rate, degrees);
   show(monitor, "readout_ms", r.readout, 1000.0);
   show(monitor, "time_offset_ms", r.time_offset, 1000.0);
+  show(monitor, "lens_shading_percent", r.shading, 100.0);
   monitor.setConcern(concern(r));
 }
 

@@ -85,6 +85,7 @@ Json calibrationJson(const CalibrationReport& r) {
           {"odometry_yaw_rate_rad_s", value(r.yaw_rate)},
           {"readout_s", value(r.readout)},
           {"time_offset_s", value(r.time_offset)},
+          {"lens_shading", value(r.shading)},
           {"advice", advice(r)}};
 }
 

@@ -51,12 +51,40 @@ void CylindricalRectification::configure(const CameraModel& camera, const Camera
   weights_.resize(grid.rows, grid.lines);
   u_.resize(grid.rows, grid.lines);
   v_.resize(grid.rows, grid.lines);
+  gains_.resize(grid.rows, grid.lines);
+  centre_u_ = 0.5F * static_cast<float>(camera.width() - 1);
+  centre_v_ = 0.5F * static_cast<float>(camera.height() - 1);
   readout_per_row_ = 1.0F / static_cast<float>(std::max(1, camera.height() - 1));
   moved_offsets_.resize(static_cast<std::size_t>(grid.rows + kernels::overrun));
   moved_weights_.resize(moved_offsets_.size());
   smooth_.resize(camera.width(), camera.height());
   pairs_.resize(camera.width(), camera.height());
   for (int line = 0; line < grid.lines; ++line) compileLine(camera, T_base_camera, line);
+  setShading(shading_);
+}
+
+void CylindricalRectification::setShading(double shading) {
+  shading_ = shading;
+  for (int line = 0; line < grid_.lines; ++line)
+    for (int row = 0; row < grid_.rows; ++row)
+      gains_.at(row, line) =
+          rows(line).contains(row)
+              ? static_cast<std::uint16_t>(std::clamp(
+                    std::lround(kernels::no_gain /
+                                (1.0 - shading * static_cast<double>(squaredRadius(row, line)))),
+                    0L, 65535L))
+              : kernels::no_gain;
+}
+
+void CylindricalRectification::shadeAgain(double before, ImageView<std::uint8_t> rectified) const {
+  for (int line = 0; line < grid_.lines; ++line) {
+    const RowRange seen = rows(line);
+    for (int row = seen.begin; row < seen.end; ++row) {
+      const auto rho2 = static_cast<double>(squaredRadius(row, line));
+      const double grey = rectified.at(row, line) * (1.0 - before * rho2) / (1.0 - shading_ * rho2);
+      rectified.at(row, line) = static_cast<std::uint8_t>(std::lround(std::min(grey, 255.0)));
+    }
+  }
 }
 
 /// A line is one plane through the camera: what the image shows of it is one run of rows.
@@ -94,8 +122,8 @@ void CylindricalRectification::sampleMoved(int line, RowRange part, const kernel
       static_cast<float>(smooth_.height() - 1 - border), readout_per_row_, smooth_.width()};
   kernels::movedPlan(raw, moved, bounds, part.begin, part.end, moved_offsets_.data(),
                      moved_weights_.data());
-  kernels::samplePlan(pairs_.view(), moved_offsets_.data(), moved_weights_.data(), part.size(),
-                      out + part.begin);
+  kernels::samplePlan(pairs_.view(), moved_offsets_.data(), moved_weights_.data(),
+                      gains_.row(line) + part.begin, part.size(), out + part.begin);
 }
 
 void CylindricalRectification::rectify(GrayView raw, const std::vector<RowRange>& rows,
@@ -104,8 +132,8 @@ void CylindricalRectification::rectify(GrayView raw, const std::vector<RowRange>
   for (int line = 0; line < grid_.lines; ++line) {
     const RowRange range = rows[static_cast<std::size_t>(line)];
     kernels::samplePlan(pairs_.view(), offsets_.row(line) + range.begin,
-                        weights_.row(line) + range.begin, range.size(),
-                        rectified.row(line) + range.begin);
+                        weights_.row(line) + range.begin, gains_.row(line) + range.begin,
+                        range.size(), rectified.row(line) + range.begin);
   }
 }
 

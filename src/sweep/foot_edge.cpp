@@ -7,6 +7,18 @@
 
 namespace ipm_mapping::sweep {
 
+namespace {
+
+/// Where a parabola through three neighbours is highest, from the middle one; 0 where that is not
+/// the highest of them.
+float vertex(float before, float middle, float after) {
+  const float bend = before - 2.0F * middle + after;
+  if (!(bend < -1e-3F && middle >= before && middle >= after)) return 0.0F;
+  return 0.5F * (before - after) / bend;
+}
+
+}  // namespace
+
 void FootEdge::configure(const VerticalSweep& sweep, const FreeFloorParameters& free_floor,
                          const FootParameters& parameters) {
   free_floor_ = free_floor;
@@ -26,7 +38,14 @@ float FootEdge::contrastAt(const ComparedFrame& frame, int beam, const BeamChoic
   return strongest;
 }
 
-/// Is everything from the near end of the view up to the edge floor in the eyes of the references?
+float FootEdge::sharpest(const ComparedFrame& frame, int beam, int candidate) {
+  const int row = static_cast<int>(frame.sweep.sweepRow(candidate));
+  const auto at = [&](int j) {
+    return std::abs(edgeContrast(frame.current, frame.sweep.firstLine(beam), j));
+  };
+  return static_cast<float>(candidate) + vertex(at(row - 1), at(row), at(row + 1));
+}
+
 bool FootEdge::floorInFront(const ComparedFrame& frame, int beam, int row) const {
   const int end = frame.sweep.rows(beam).end;
   for (int from = row + PlainEdge::edge_rows; from < end; from += free_floor_.free_window) {
@@ -74,11 +93,7 @@ BeamChoice FootEdge::find(const ComparedFrame& frame, const KnownFoot& known, in
   }
   const auto least = static_cast<float>(parameters_.foot_share);
   if (most < least || most * least > 1.0F || !mayStand(frame, beam, best)) return foot;
-  const float before = along(best - 1), after = along(best + 1);
-  const float bend = before - 2.0F * most + after;
-  foot.candidate = static_cast<float>(best);
-  if (bend < -1e-3F && most >= before && most >= after)
-    foot.candidate += 0.5F * (before - after) / bend;
+  foot.candidate = static_cast<float>(best) + vertex(along(best - 1), most, along(best + 1));
   foot.score = static_cast<float>(parameters_.foot_score) * known.score;
   foot.by_edge = true;
   foot.top = first_row + best - known.support;

@@ -130,6 +130,8 @@ void MotionRefinement::Samples::resize(std::size_t n) {
   for (auto* array :
        {&row, &line, &current, &current_high, &reference_mean, &warped, &warped_high, &deviation})
     array->assign(n, 0.0F);
+  seen_row.assign(n, 0);
+  seen_line.assign(n, 0);
   for (auto* arrays : {&d_row, &d_line, &gradient})
     for (auto& array : *arrays) array.assign(n, 0.0F);
 }
@@ -175,6 +177,8 @@ void MotionRefinement::linearize(const RectifiedFrame& current, const RectifiedF
     if (point.row < floor_begin_[static_cast<std::size_t>(point.line)]) continue;
     if (!inView(samples_.row[i], samples_.line[i])) continue;
     samples_.move(i, n);
+    samples_.seen_row[n] = point.row;
+    samples_.seen_line[n] = point.line;
     samples_.reference_mean[n] = reference.mean.at(samples_.row[n], samples_.line[n]);
     samples_.current[n] = static_cast<float>(current.image.at(point.row, point.line));
     samples_.current_high[n] =
@@ -339,6 +343,19 @@ RefinedMotion MotionRefinement::refine(const RectifiedFrame& current,
   }
   fitBrightness(state);
   return state;
+}
+
+FloorSamples MotionRefinement::floor(const RefinedMotion& motion) {
+  const auto gain = static_cast<float>(motion.photometric.gain);
+  const auto offset = static_cast<float>(motion.photometric.offset);
+  for (int i = 0; i < samples_.count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    samples_.deviation[k] = gain * samples_.warped[k] + offset;
+  }
+  return {samples_.current.data(),  samples_.deviation.data(),
+          samples_.seen_row.data(), samples_.seen_line.data(),
+          samples_.row.data(),      samples_.line.data(),
+          samples_.count,           motion.sigma};
 }
 
 }  // namespace ipm_mapping::sweep

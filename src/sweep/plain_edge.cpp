@@ -33,8 +33,8 @@ void PlainEdge::fillProfile(const CurrentView& current, int first_line) {
   }
 }
 
-double PlainEdge::limit(const CurrentView& current, const SweepReference* references, int count,
-                        VerticalSweep& sweep, int beam, double range) {
+int PlainEdge::nearest(const CurrentView& current, const SweepReference* references, int count,
+                       VerticalSweep& sweep, int beam, double range) {
   fillProfile(current, sweep.firstLine(beam));
   const auto step = [&](int row) {
     const auto j = static_cast<std::size_t>(row);
@@ -47,13 +47,18 @@ double PlainEdge::limit(const CurrentView& current, const SweepReference* refere
     const std::int32_t here = step(row);
     if (here < least_step_ || here < step(row - 1) || here < step(row + 1)) continue;
     const int candidate = row - first_row;
-    const double distance = sweep.distance(candidate);
-    if (distance >= range) break;
+    if (sweep.distance(candidate) >= range) break;
     if (!aimed) sweep.aimBeam(current, references, count, beam);
     aimed = true;
-    if (mayStand(references, count, sweep, beam, candidate)) return distance;
+    if (mayStand(references, count, sweep, beam, candidate)) return candidate;
   }
-  return range;
+  return -1;
+}
+
+double PlainEdge::limit(const CurrentView& current, const SweepReference* references, int count,
+                        VerticalSweep& sweep, int beam, double range) {
+  const int candidate = nearest(current, references, count, sweep, beam, range);
+  return candidate < 0 ? range : sweep.distance(candidate);
 }
 
 }  // namespace ipm_mapping::sweep

@@ -59,12 +59,31 @@ bool SweepDetector::adopt(const Detector& before) {
   if (known && learn_readout_) workWith(other->readout_);
   const double most = calibration_.mostTimeOffset();
   if (known && learn_time_offset_) time_offset_ = std::clamp(other->time_offset_, -most, most);
+  if (known && learn_shading_) {
+    shading_.adopt(other->shading_);
+    shadeWith(other->rectification_.shading());
+  }
   free_floor_.adopt(other->free_floor_);
   stood_ = stood_before_ = other->stood_;  // its clock
   last_ = other->last_;
   T_floor_last_ = other->T_floor_last_;
   chain_offset_ = other->chain_offset_;
   return true;
+}
+
+/// Nor does a lens that darkens: references are brought up to date.
+void SweepDetector::applyShading() {
+  if (learn_shading_ && shading_.differs(rectification_.shading())) shadeWith(shading_.estimate());
+}
+
+void SweepDetector::shadeWith(double shading) {
+  const double before = rectification_.shading();
+  rectification_.setShading(shading);
+  ring_.forEach([&](RectifiedFrame& frame) {
+    if (frame.image.height() != grid_.lines) return;  // has not been used yet
+    rectification_.shadeAgain(before, frame.image.view());
+    frame.mean.evaluate(lattice_, frame.image.view());
+  });
 }
 
 /// What stamps are off changes nothing about where the camera is: whoever brings the frames is
@@ -96,7 +115,9 @@ SE2 SweepDetector::expectedMotion(const RectifiedFrame& reference) const {
 
 std::optional<CalibrationReport> SweepDetector::calibration() const {
   if (calibration_mode_ == CalibrationMode::Off) return std::nullopt;
-  return calibration_.report();
+  CalibrationReport report = calibration_.report();
+  report.shading = {shading_stated_, shading_.estimate(), shading_.sigma()};
+  return report;
 }
 
 }  // namespace ipm_mapping::sweep

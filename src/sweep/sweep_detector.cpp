@@ -27,7 +27,11 @@ SweepDetector::SweepDetector(const SweepParameters& parameters,
       readout_stated_(calibration.readout_time),
       readout_(calibration.readout_time),
       learn_time_offset_(calibration.learn_time_offset && calibration.mode != CalibrationMode::Off),
+      learn_shading_(calibration.learn_shading && calibration.mode != CalibrationMode::Off),
+      shading_stated_(calibration.lens_shading),
       calibration_(calibration, parameters.refinement) {
+  shading_.configure(calibration);
+  rectification_.setShading(shading_stated_);
   times_.reserve(expected_stages);
 }
 
@@ -36,6 +40,8 @@ void SweepDetector::setCamera(const CameraModel& camera, const CameraPose& T_bas
     calibration_.forgetCamera();
     readout_ = readout_stated_;
     time_offset_ = 0.0;
+    shading_.forget();
+    rectification_.setShading(shading_stated_);
   }
   camera_ = camera;
   T_base_stated_ = T_base_camera;
@@ -59,6 +65,7 @@ void SweepDetector::configure(const CameraPose& T_base_camera) {
   free_floor_.configure(parameters_.free_floor);
   edge_.configure(parameters_.selection);
   straight_foot_.configure(sweep_, parameters_.free_floor, parameters_.foot);
+  foot_chain_.configure(sweep_, parameters_.free_floor, parameters_.foot);
   remembered_foot_.configure(sweep_, parameters_.free_floor, parameters_.foot);
   lone_contact_.configure(sweep_, parameters_.selection);
   held_contact_.configure(sweep_, parameters_.foot);
@@ -169,8 +176,9 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
     const bool first_look = !floor_masked_;
     findContacts(view);
     if (first_look) findContacts(view);  // the motion was found on what may not have been floor
-    const ComparedFrame compared{view, views_.data(), reference_count_, sweep_};
+    const ComparedFrame compared{view, views_.data(), reference_count_, sweep_, current_.stamp};
     straight_foot_.complete(compared, choices_);
+    foot_chain_.complete(compared, choices_);
     const SE2 T_floor_foot = footAt(current_.T_floor_base);
     lone_contact_.mark(T_floor_foot, used, choices_);
     doubtLowContacts();
@@ -198,6 +206,7 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
   applyCalibration();
   applyReadout();
   applyTimeOffset();
+  applyShading();
   return status;
 }
 
@@ -316,11 +325,14 @@ void SweepDetector::splitReference(const Image<std::uint8_t>& reference,
 
 void SweepDetector::compareWithReferences(const CurrentView& view) {
   const Eigen::Vector2d foot = T_base_camera_.translation().head<2>();
+  const bool drives = current_.stamp == stopped_;  // else it is the same evidence again
   for (std::size_t q = 0; q < static_cast<std::size_t>(reference_count_); ++q) {
     const RectifiedFrame& reference = *references_[q];
     motions_[q] = refinement_.refine(current_, reference, expectedMotion(reference),
                                      reference.T_floor_base.inverse() * current_.T_floor_base);
     motions_[q].reference_stamp = reference.stamp;
+    if (learn_shading_ && drives && motions_[q].refined)
+      shading_.learn(rectification_, refinement_.floor(motions_[q]));
   }
   current_.T_floor_base = references_[0]->T_floor_base * motions_[0].motion;
   lap("motion_refinement");

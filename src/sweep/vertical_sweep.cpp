@@ -217,34 +217,57 @@ float VerticalSweep::levelFront(const SweepReference* references, int count, int
   return static_cast<float>(best) / static_cast<float>(kernels::cost_unit * count);
 }
 
+/// Gains of the rows that one reference shows of the line it was aimed at; how many there are.
+int VerticalSweep::gainsOf(const kernels::EvidencePath& path) {
+  const int rows = std::max(0, path.end - path.begin);
+  if (rows == 0) return 0;
+  kernels::VerticalPath v = path.vertical;
+  v.current += path.begin;
+  v.weight += path.begin;
+  v.upper += path.begin;
+  v.lower += path.begin;
+  kernels::verticalCost(v, rows, vertical_cost_.data());
+  std::fill_n(gain_.begin(), rows + kernels::overrun, 0);
+  kernels::accumulateEvidence(path.floor + path.begin, vertical_cost_.data(),
+                              row_weight_.data() + path.begin, floor_cap_, prior_, rows,
+                              gain_.data());
+  return rows;
+}
+
 float VerticalSweep::evidence(const SweepReference* references, int count, int beam, int candidate,
                               RowRange part) {
   count = std::min(count, max_references);
   const RowRange support = intersection(rows(beam), part);
   lines_.aim(references, count, candidate, support);
   lines_.allowForBrightness(references, count, candidate, support, any_brightness);
-  std::fill_n(gain_.begin(), support.size() + kernels::overrun, 0);
   int compared = 0;
+  std::int32_t sum = 0;
   for (std::size_t q = 0; q < static_cast<std::size_t>(count); ++q) {
-    const kernels::EvidencePath& path = lines_.paths()[q];
-    const int n = path.end - path.begin;
-    if (n <= 0) continue;
+    const int n = gainsOf(lines_.paths()[q]);
+    for (int i = 0; i < n; ++i) sum += gain_[static_cast<std::size_t>(i)];
     compared += n;
-    kernels::VerticalPath v = path.vertical;
-    v.current += path.begin;
-    v.weight += path.begin;
-    v.upper += path.begin;
-    v.lower += path.begin;
-    kernels::verticalCost(v, n, vertical_cost_.data());
-    kernels::accumulateEvidence(path.floor + path.begin, vertical_cost_.data(),
-                                row_weight_.data() + path.begin, floor_cap_, prior_, n,
-                                gain_.data());
   }
   if (compared == 0 || 2 * compared < part.size() * count)
     return std::numeric_limits<float>::lowest();
-  std::int32_t sum = 0;
-  for (int i = 0; i < support.size(); ++i) sum += gain_[static_cast<std::size_t>(i)];
   return static_cast<float>(sum) / static_cast<float>(kernels::cost_unit * count);
+}
+
+void VerticalSweep::gains(const SweepReference* references, int count, int beam, int candidate,
+                          int above, float* gain) {
+  count = std::min(count, max_references);
+  const int contact = first_row_ + candidate;
+  const RowRange support = intersection(rows(beam), {contact - above + 1, contact + 1});
+  const float unit = 1.0F / static_cast<float>(kernels::cost_unit * count);
+  std::fill(gain, gain + above, 0.0F);
+  lines_.aim(references, count, candidate, support);
+  lines_.allowForBrightness(references, count, candidate, brightnessRows(contact), brightness_);
+  for (std::size_t q = 0; q < static_cast<std::size_t>(count); ++q) {
+    const kernels::EvidencePath& path = lines_.paths()[q];
+    const int n = gainsOf(path);
+    for (int i = 0; i < n; ++i)
+      gain[contact - path.begin - i] +=
+          unit * static_cast<float>(gain_[static_cast<std::size_t>(i)]);
+  }
 }
 
 /// Scores of one beam, from the near end on. Maxima are wider than search_step: between two

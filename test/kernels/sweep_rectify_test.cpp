@@ -89,7 +89,9 @@ TEST(SweepRectifyKernels, AMovedPlanSamplesWhereRowsAndLinesLead) {
     std::vector<std::uint32_t> weights(padded);
     kernels::movedPlan(line, moved, bounds, begin, end, offsets.data(), weights.data());
     std::vector<std::uint8_t> out(padded);
-    kernels::samplePlan(pairs.view(), offsets.data(), weights.data(), end - begin, out.data());
+    const std::vector<std::uint16_t> gains(padded, kernels::no_gain);
+    kernels::samplePlan(pairs.view(), offsets.data(), weights.data(), gains.data(), end - begin,
+                        out.data());
     for (int row = begin; row < end; ++row) {
       const auto i = static_cast<std::size_t>(row);
       const double time = static_cast<double>(v[i]) / (height - 1) - 0.5;
@@ -130,6 +132,7 @@ TEST(SweepRectifyKernels, SamplesAreWeightedSumsOfFourNeighbours) {
   for (const int count : {0, 1, 7, 16, 33, 100}) {
     std::vector<std::int32_t> offsets;
     std::vector<std::uint32_t> weights;
+    std::vector<std::uint16_t> gains;
     std::vector<int> expected;
     for (int i = 0; i < count; ++i) {
       const int u = static_cast<int>(random() % (width - 1)),
@@ -141,13 +144,17 @@ TEST(SweepRectifyKernels, SamplesAreWeightedSumsOfFourNeighbours) {
       weights.push_back(a | b << 8 | c << 16 | d << 24);
       const unsigned sum =
           a * in.at(u, v) + b * in.at(u, v + 1) + c * in.at(u + 1, v) + d * in.at(u + 1, v + 1);
-      expected.push_back(static_cast<int>((sum + 64) / 128));
+      const unsigned gain = i % 3 == 0 ? kernels::no_gain : draw(3 * kernels::no_gain);
+      gains.push_back(static_cast<std::uint16_t>(gain));
+      const double grey = sum / 128.0 * gain / kernels::no_gain;
+      expected.push_back(static_cast<int>(std::min(std::floor(grey + 0.5), 255.0)));
     }
     withEverySweepTarget([&] {
       Image<std::uint16_t> pairs(width, height);
       kernels::pairRows(in.view(), pairs.view());
       std::vector<std::uint8_t> out(static_cast<std::size_t>(count) + 1, 77);
-      kernels::samplePlan(pairs.view(), offsets.data(), weights.data(), count, out.data());
+      kernels::samplePlan(pairs.view(), offsets.data(), weights.data(), gains.data(), count,
+                          out.data());
       for (int i = 0; i < count; ++i)
         ASSERT_EQ(out[static_cast<std::size_t>(i)], expected[static_cast<std::size_t>(i)]) << i;
       EXPECT_EQ(out.back(), 77) << "wrote past the end";

@@ -6,11 +6,23 @@
 
 namespace ipm_mapping::test {
 
+/// Darkens a picture towards its corners, where it loses this share of its brightness.
+inline void shadeCorners(double shading, Image<std::uint8_t>& picture) {
+  const double cu = 0.5 * (picture.width() - 1), cv = 0.5 * (picture.height() - 1);
+  for (int v = 0; v < picture.height(); ++v)
+    for (int u = 0; u < picture.width(); ++u) {
+      const double rho2 = ((u - cu) * (u - cu) + (v - cv) * (v - cv)) / (cu * cu + cv * cv);
+      picture.at(u, v) =
+          static_cast<std::uint8_t>(std::lround(picture.at(u, v) * (1.0 - shading * rho2)));
+    }
+}
+
 /// Drives a detector through a rendered world.
 class Drive {
  public:
-  explicit Drive(const sweep::SweepParameters& parameters = smallParameters(), double pitch = 0.42)
-      : scene(smallCamera(), smallCameraPose(pitch)), detector(parameters) {
+  explicit Drive(const sweep::SweepParameters& parameters = smallParameters(), double pitch = 0.42,
+                 const CalibrationParameters& calibration = {})
+      : scene(smallCamera(), smallCameraPose(pitch)), detector(parameters, calibration) {
     detector.setCamera(scene.camera, scene.T_base_camera);
   }
   FrameStatus at(const SE2& pose) { return at(pose, pose); }
@@ -23,6 +35,7 @@ class Drive {
       });
     for (int v = 0; v < picture.height(); ++v)
       std::fill_n(picture.row(v), std::lround(dazzled * picture.width()), std::uint8_t{250});
+    if (shading != 0.0) shadeCorners(shading, picture);
     Frame frame;
     frame.index = index++;
     frame.stamp = 0.1 * static_cast<double>(frame.index);
@@ -50,6 +63,7 @@ class Drive {
   std::uint64_t index = 0;
   sweep::Sway sway;      // of the camera from now on
   double light = 1.0;    // against before
+  double shading = 0.0;  // of the picture's corners, by the lens
   double dazzled = 0.0;  // share of the picture, from the left
   SE2 last;
 };

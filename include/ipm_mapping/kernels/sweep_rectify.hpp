@@ -40,9 +40,13 @@ struct RawBounds {
 void movedPlan(const RawLine& line, const MovedRows& moved, const RawBounds& bounds, int begin,
                int end, std::int32_t* offsets, std::uint32_t* weights);
 
-/// out[i] = (sum over k of byte k of the 4 bytes at pairs + offsets[i] times byte k of weights[i]
-/// + 64) >> 7. The weights of one sample sum to 128; every 4 bytes lie inside the pair image.
+constexpr std::uint16_t no_gain = 1 << 14;
+
+/// out[i] = min((gains[i] sum over k of byte k of the 4 bytes at pairs + offsets[i] times byte k of
+/// weights[i] + 2^20) >> 21, 255): gains in 1 / no_gain. The weights of one sample sum to 128;
+/// every 4 bytes lie inside the pair image.
 void samplePlan(ImageView<const std::uint16_t> pairs, const std::int32_t* offsets,
-                const std::uint32_t* weights, int count, std::uint8_t* out);
+                const std::uint32_t* weights, const std::uint16_t* gains, int count,
+                std::uint8_t* out);
 
 }  // namespace ipm_mapping::kernels

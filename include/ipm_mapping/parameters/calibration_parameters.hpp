@@ -16,6 +16,8 @@ struct CalibrationParameters {
   double readout_time = 0.0;
   bool learn_readout = true;
   bool learn_time_offset = true;
+  double lens_shading = 0.0;
+  bool learn_shading = true;
   double sd_pitch = 0.035;
   double sd_roll = 0.01;
   double sd_yaw = 0.005;
@@ -26,6 +28,8 @@ struct CalibrationParameters {
   double sd_yaw_rate = 0.01;
   double sd_readout = 0.02;
   double sd_time_offset = 0.06;
+  double sd_shading = 0.15;
+  double sd_shading_pair = 0.03;
   double sd_sway = 0.001;
   double sd_forward = 0.02;
   double sd_sideways = 0.003;
@@ -33,6 +37,7 @@ struct CalibrationParameters {
   double max_tilt = 0.07;
   double max_height = 0.12;
   double max_time_offset = 0.25;
+  double max_shading = 0.4;
   double spacing = 0.333;
   double settled_spacing = 1.5;
   double readout_turn = 0.15;
@@ -48,6 +53,7 @@ struct CalibrationParameters {
   double min_likeness = 0.7;
   double correlation = 0.1;
   double memory = 200.0;
+  double shading_memory = 60.0;
   int least_pairs = 4;
   double confident_tilt = 0.002;
   double confident_height = 0.015;
@@ -59,6 +65,9 @@ struct CalibrationParameters {
   double apply_time_offset = 0.005;
   double time_offset_sigmas = 2.0;
   int time_offset_pairs = 2;
+  double apply_shading = 0.01;
+  double shading_sigmas = 3.0;
+  int shading_pairs = 8;
   double warn_tilt = 0.0052;
   double warn_height = 0.01;
   double warn_time_offset = 0.02;
@@ -80,6 +89,13 @@ struct CalibrationParameters {
     field("learn_time_offset", self.learn_time_offset,
           "find out by how much the images' stamps are off odometry's clock, over "
           "camera/image_time_offset, unless mode is off, and work with that");
+    field(
+        "lens_shading", self.lens_shading, Unit{""}, Range{-0.4, 0.4},
+        "by which share grey levels are darker in the corners of the image than in its centre, as "
+        "far as it is known");
+    field("learn_shading", self.learn_shading,
+          "find out by how much, unless mode is off, and work with that; false: with lens_shading "
+          "as it is stated");
     expectations(self, field);
     pairs(self, field);
     verdicts(self, field);
@@ -110,6 +126,10 @@ struct CalibrationParameters {
           "how far off the stated readout_time is expected to be");
     field("sd_time_offset", self.sd_time_offset, Unit{"s"}, Range{1e-6, 1.0},
           "how far off odometry's clock the images' stamps are expected to be");
+    field("sd_shading", self.sd_shading, Unit{""}, Range{1e-6, 1.0},
+          "how far off the stated lens_shading is expected to be");
+    field("sd_shading_pair", self.sd_shading_pair, Unit{""}, Range{0.0, 1.0},
+          "what one pair of frames says of it is taken to be off by as much");
     field("sd_sway", self.sd_sway, Unit{"rad"}, Range{1e-6, 0.1},
           "how much pitch and roll of the robot differ from frame to frame");
     field("sd_forward", self.sd_forward, Unit{"m/m"}, Range{1e-6, 1.0},
@@ -122,6 +142,8 @@ struct CalibrationParameters {
           "an estimate farther from the stated height is not believed");
     field("max_time_offset", self.max_time_offset, Unit{"s"}, Range{0.0, 1.0},
           "stamps are not moved by more");
+    field("max_shading", self.max_shading, Unit{""}, Range{0.0, 0.8},
+          "images are not brightened in the corners by more than what this makes up for");
   }
   /// Which frames are compared, and how.
   template <class Self, class Visitor>
@@ -156,6 +178,8 @@ struct CalibrationParameters {
           "share of independent samples");
     field("memory", self.memory, Unit{"pairs"}, Range{2.0, 1e6},
           "older pairs fade: their weight falls to 1/e over this many");
+    field("shading_memory", self.shading_memory, Unit{"pairs"}, Range{2.0, 1e6},
+          "the same of what pairs say of the lens: every used frame makes one or two");
   }
   /// When the estimate is believed, applied and warned of.
   template <class Self, class Visitor>
@@ -183,6 +207,11 @@ struct CalibrationParameters {
           "and by so much");
     field("time_offset_pairs", self.time_offset_pairs, Unit{"pairs"}, Range{1, 1000},
           "and after so many: one alone may be aligned wrongly");
+    field("apply_shading", self.apply_shading, Unit{""}, Range{0.0, 1.0},
+          "another lens shading comes into force where it differs by more");
+    field("shading_sigmas", self.shading_sigmas, Unit{"sigma"}, Range{0.0, 100.0},
+          "and by so much");
+    field("shading_pairs", self.shading_pairs, Unit{"pairs"}, Range{1, 1000}, "and after so many");
     field("warn_tilt", self.warn_tilt, Unit{"rad"}, Range{0.0, 0.5},
           "diagnostics warn when the stated pitch or roll is off by more, and by warn_sigmas");
     field("warn_height", self.warn_height, Unit{"m"}, Range{0.0, 1.0}, "the same of the height");

@@ -19,6 +19,11 @@ struct FootParameters {
   double foot_doubt = 10.0;
   double foot_score = 0.5;
   double foot_memory = 3.0;
+  int chain_gap = 20;
+  double chain_step = 4.0;
+  int chain_beams = 6;
+  double chain_share = 2.0;
+  double chain_score = 8.0;
   int hold_sights = 2;
   double hold_memory = 6.0;
   double hold_change = 0.6;
@@ -55,6 +60,18 @@ struct FootParameters {
     field("foot_memory", self.foot_memory, Unit{"s"}, Range{0.0, 60.0},
           "where a contact was seen this short a time ago, an edge like the one at its foot is a "
           "contact still; 0: not");
+    field("chain_gap", self.chain_gap, Unit{"beams"}, Range{0, 1000},
+          "an edge that goes on from a contact to another one at most so far away is the foot of "
+          "what stands between them; 0: not");
+    field("chain_step", self.chain_step, Unit{"candidates"}, Range{0.1, 100.0},
+          "such an edge moves by no more from beam to beam");
+    field("chain_beams", self.chain_beams, Unit{"beams"}, Range{0, 100},
+          "how far to either side beams along an edge are asked together whether something upright "
+          "stands there; 0: each for itself");
+    field("chain_share", self.chain_share, Unit{""}, Range{0.0, 1000.0},
+          "what a single one of them may add to the score at most");
+    field("chain_score", self.chain_score, Unit{""}, Range{0.0, 1000.0},
+          "score that all of them have to reach");
     field("hold_sights", self.hold_sights, Unit{""}, Range{0, 10},
           "a place where contacts were seen so often, 0.25 s apart, has one as long as it looks as "
           "it did and is not seen to be floor; 0: not");

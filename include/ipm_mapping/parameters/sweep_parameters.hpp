@@ -106,7 +106,7 @@ struct NoiseParameters {
 /// Costs of the floor and of a vertical line, and their difference.
 struct EvidenceParameters {
   double floor_cap = 2.5;
-  double vertical_prior = 0.03;
+  double vertical_prior = 0.02;
   double vertical_brightness = 0.5;
   double brightness_support = 0.4;
   double least_vertical_cost = 0.1;
@@ -162,7 +162,7 @@ struct SelectionParameters {
   double nearer_score = 15.0;
   double publish_score = 4.0;
   double publish_slope = 20.0;
-  double weak_share = 0.35;
+  double weak_share = 0.3;
   double top_length = 0.08;
   int top_reach = 4;
   double step_cost = 0.5;

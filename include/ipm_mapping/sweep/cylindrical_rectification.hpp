@@ -28,8 +28,8 @@ void commonRows(const std::vector<RowRange>& rows, int lines, std::vector<RowRan
 /// Raw image to polar grid: one fixed map per camera and pose, compiled once into byte offsets and
 /// weights. Each output pixel is
 ///   sum_k w_k B(p_k) / 128,  B = (1 2 1)/4 x (1 2 1)/4 * raw,
-/// the four p_k being the raw neighbours of the pixel that sees (azimuth, r).
-/// Rectified images are stored line by line: `at(row, line)`.
+/// the four p_k being the raw neighbours of the pixel that sees (azimuth, r), and is brightened by
+/// as much as the lens has darkened it. Rectified images are stored line by line: `at(row, line)`.
 class CylindricalRectification {
  public:
   /// Builds the map; throws nothing, `grid().lines` is 0 where no floor is in view.
@@ -58,6 +58,18 @@ class CylindricalRectification {
     return v_.at(row, line) * readout_per_row_ - 0.5F;
   }
 
+  /// Squared distance of the pixel that shows a place in view from the image's centre; 1 in the
+  /// corners.
+  [[nodiscard]] float squaredRadius(int row, int line) const {
+    const float du = u_.at(row, line) - centre_u_, dv = v_.at(row, line) - centre_v_;
+    return (du * du + dv * dv) / (centre_u_ * centre_u_ + centre_v_ * centre_v_);
+  }
+  /// From now on images are divided by 1 - shading rho^2, rho^2 their squaredRadius().
+  void setShading(double shading);
+  [[nodiscard]] double shading() const { return shading_; }
+  /// Brings a rectified image that was divided by another shading up to date.
+  void shadeAgain(double before, ImageView<std::uint8_t> rectified) const;
+
  private:
   void compileLine(const CameraModel& camera, const CameraPose& T_base_camera, int line);
 
@@ -66,6 +78,9 @@ class CylindricalRectification {
   Image<std::int32_t> offsets_;   // of the upper left neighbour in the pair image, bytes
   Image<std::uint32_t> weights_;  // of the four neighbours, one byte each, sum 128
   Image<float> u_, v_;            // raw pixels
+  Image<std::uint16_t> gains_;    // of the output pixels
+  float centre_u_ = 1.0F, centre_v_ = 1.0F;
+  double shading_ = 0.0;
   float readout_per_row_ = 1.0F;
   std::vector<std::int32_t> moved_offsets_;
   std::vector<std::uint32_t> moved_weights_;

@@ -13,6 +13,7 @@ struct ComparedFrame {
   const SweepReference* references;
   int count;
   VerticalSweep& sweep;
+  double current_stamp = 0;
 };
 
 /// The foot of a face that is known from elsewhere: from the beams beside, or from frames before.
@@ -38,10 +39,14 @@ class FootEdge {
                   double expected) const;
   /// Strongest change within a row of a contact, signed.
   static float contrastAt(const ComparedFrame& frame, int beam, const BeamChoice& choice);
+  /// The place between rows where the image changes most around a candidate that is an edge.
+  static float sharpest(const ComparedFrame& frame, int beam, int candidate);
+  /// Is everything from the near end of the view up to an edge on this sweep row floor in the eyes
+  /// of the references?
+  bool floorInFront(const ComparedFrame& frame, int beam, int row) const;
 
  private:
   bool mayStand(const ComparedFrame& frame, int beam, int candidate) const;
-  bool floorInFront(const ComparedFrame& frame, int beam, int row) const;
 
   FreeFloorParameters free_floor_;
   FootParameters parameters_;

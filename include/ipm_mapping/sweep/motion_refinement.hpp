@@ -10,6 +10,7 @@
 #include "ipm_mapping/kernels/sweep_alignment.hpp"
 #include "ipm_mapping/sweep/floor_cost.hpp"
 #include "ipm_mapping/sweep/foot_motion.hpp"
+#include "ipm_mapping/sweep/lens_shading.hpp"
 #include "ipm_mapping/sweep/local_mean.hpp"
 #include "ipm_mapping/sweep/odometry_of_frame.hpp"
 #include "ipm_mapping/sweep/polar_grid.hpp"
@@ -67,6 +68,9 @@ class MotionRefinement {
   /// frames in between. Where floor is missing the answer is odometry's.
   [[nodiscard]] RefinedMotion refine(const RectifiedFrame& current, const RectifiedFrame& reference,
                                      const SE2& odometry, const SE2& start);
+  /// The floor that the last refine(), whose answer it was, has compared; for as long as there is
+  /// no other one.
+  [[nodiscard]] FloorSamples floor(const RefinedMotion& motion);
 
  private:
   /// A fixed floor point of the current view.
@@ -78,6 +82,7 @@ class MotionRefinement {
     using Array = std::vector<float>;
     using Moves = std::array<Array, kernels::alignment_moves>;
     int count = 0;
+    std::vector<int> seen_row, seen_line;         // in the current frame
     Array row, line;                              // in the reference, at the linearisation point
     Moves d_row, d_line;                          // by x, y, theta, pitch, roll
     Array current, current_high, reference_mean;  // high: without the local mean

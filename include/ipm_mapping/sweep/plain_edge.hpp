@@ -24,6 +24,10 @@ class PlainEdge {
   bool mayStand(const SweepReference* references, int count, VerticalSweep& sweep, int beam,
                 int candidate) const;
 
+  /// Nearest edge of a beam, nearer than `range`, behind which something may stand; -1: none.
+  int nearest(const CurrentView& current, const SweepReference* references, int count,
+              VerticalSweep& sweep, int beam, double range);
+
   /// Distance, in metres from the camera's foot, of the nearest edge of a beam behind which
   /// something may stand; `range` where there is none in front of it.
   double limit(const CurrentView& current, const SweepReference* references, int count,

@@ -10,10 +10,12 @@
 #include "ipm_mapping/sweep/contact_edge.hpp"
 #include "ipm_mapping/sweep/cylindrical_rectification.hpp"
 #include "ipm_mapping/sweep/floor_cost.hpp"
+#include "ipm_mapping/sweep/foot_chain.hpp"
 #include "ipm_mapping/sweep/free_floor.hpp"
-#include "ipm_mapping/sweep/leaning_surface.hpp"
-#include "ipm_mapping/sweep/level_top.hpp"
 #include "ipm_mapping/sweep/held_contact.hpp"
+#include "ipm_mapping/sweep/leaning_surface.hpp"
+#include "ipm_mapping/sweep/lens_shading.hpp"
+#include "ipm_mapping/sweep/level_top.hpp"
 #include "ipm_mapping/sweep/lone_contact.hpp"
 #include "ipm_mapping/sweep/motion_refinement.hpp"
 #include "ipm_mapping/sweep/moving_obstacle.hpp"
@@ -58,6 +60,8 @@ class SweepDetector : public Detector {
   [[nodiscard]] Kept keptAsReference() const { return kept_; }
   /// Rolling shutter that is undone, seconds from the first row to the last.
   [[nodiscard]] double readout() const { return readout_; }
+  /// By which share grey levels in the image's corners are brightened to make up for the lens.
+  [[nodiscard]] double lensShading() const { return rectification_.shading(); }
   [[nodiscard]] const PolarGrid& grid() const { return grid_; }
   /// Scores of the last processed frame, candidates x beams.
   [[nodiscard]] ImageView<const float> scores() const { return scores_.score.view(); }
@@ -87,6 +91,8 @@ class SweepDetector : public Detector {
   void learnCalibration();
   void applyReadout();
   void applyTimeOffset();
+  void applyShading();
+  void shadeWith(double shading);
   void chainAnew();
   void workWith(double readout);
   [[nodiscard]] double longestReadout() const;
@@ -127,6 +133,8 @@ class SweepDetector : public Detector {
   double readout_stated_;
   double readout_;  ///< in force, seconds
   bool learn_time_offset_;
+  bool learn_shading_;
+  double shading_stated_;
   double time_offset_ = 0.0;  ///< that frames should come with, seconds
   SelfCalibration calibration_;
   CameraModel camera_;
@@ -136,6 +144,7 @@ class SweepDetector : public Detector {
   PolarGrid grid_;
   CylindricalRectification rectification_;
   RollingShutter shutter_;
+  LensShading shading_;
   NoiseModel noise_;
   MotionRefinement refinement_;
   SwayCorrection sway_;
@@ -147,6 +156,7 @@ class SweepDetector : public Detector {
   LeaningSurface leaning_;
   ContactEdge edge_;
   StraightFoot straight_foot_;
+  FootChain foot_chain_;
   RememberedFoot remembered_foot_;
   LoneContact lone_contact_;
   HeldContact held_contact_;

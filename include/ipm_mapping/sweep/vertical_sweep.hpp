@@ -73,6 +73,11 @@ class VerticalSweep {
   float evidence(const SweepReference* references, int count, int beam, int candidate,
                  RowRange part);
 
+  /// What single rows of an upright surface at a candidate of the aimed beam gain, the contact's
+  /// first and `above` of them; 0 where they cannot be compared.
+  void gains(const SweepReference* references, int count, int beam, int candidate, int above,
+             float* gain);
+
   [[nodiscard]] int beams() const { return beams_; }
   [[nodiscard]] int candidates() const { return candidates_; }
   [[nodiscard]] int firstLine(int beam) const { return beam * beam_step_; }
@@ -96,6 +101,7 @@ class VerticalSweep {
   [[nodiscard]] RowRange brightnessRows(int contact) const {
     return {contact - brightness_rows_, contact};
   }
+  int gainsOf(const kernels::EvidencePath& path);
   float scoreOf(const SweepReference* references, int count, int beam, int candidate, int slope,
                 std::int32_t least, std::int16_t& top);
   void evaluateBeam(const SweepReference* references, int count, int beam, std::int32_t least,

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "ipm_mapping/parameters/calibration_parameters.hpp"
+#include "ipm_mapping/sweep/cylindrical_rectification.hpp"
+
+namespace ipm_mapping::sweep {
+
+/// Floor that two frames see, their motion being known: `count` grey levels and where they are
+/// seen.
+struct FloorSamples {
+  const float* current = nullptr;
+  const float* before = nullptr;  ///< of the reference, in the current frame's brightness
+  const int* row = nullptr;       ///< in the current frame
+  const int* line = nullptr;
+  const float* reference_row = nullptr;
+  const float* reference_line = nullptr;
+  int count = 0;
+  double sigma = 1.0;  ///< robust spread of current - before, grey levels
+};
+
+/// Lenses darken towards the corners of the image,
+///   seen = true (1 - shading rho^2),   rho^2 = CylindricalRectification::squaredRadius(),
+/// so that a surface grows darker on its way to the edge of the view. The floor takes that way all
+/// the time: what its grey level I changes by from the reference to the current frame is fitted,
+/// with Tukey weights, as
+///   e = g I + o + I (a d(ln r) + b d r) - shading I d(rho^2).
+/// Gain g and offset o are what exposure has left over. a and b stand for whatever depends on how
+/// steeply the floor is looked at, gloss above all: what tells the lens from them is that the ends
+/// of a row darken and its middle does not. Every pair counts as at least sd_shading_pair off, and
+/// old ones fade.
+class LensShading {
+ public:
+  void configure(const CalibrationParameters& parameters) { parameters_ = parameters; }
+  /// Another camera.
+  void forget();
+  /// Takes over what another one has learnt.
+  void adopt(const LensShading& other);
+
+  /// Learns from a pair of frames that were rectified alike.
+  void learn(const CylindricalRectification& rectification, const FloorSamples& floor);
+  [[nodiscard]] double estimate() const;
+  [[nodiscard]] double sigma() const;
+  [[nodiscard]] int pairs() const { return pairs_; }
+  /// Is it surely and usefully another one than what is in force?
+  [[nodiscard]] bool differs(double in_force) const;
+
+ private:
+  /// Of one pair: shading, gain, offset, a and b.
+  struct Fit {
+    static constexpr int others = 4;
+    using Unknowns = Eigen::Matrix<double, 1 + others, 1>;
+    Eigen::Matrix<double, 1 + others, 1 + others> A;
+    Unknowns b, solution = Unknowns::Zero();
+    void add(const CylindricalRectification& rectification, const FloorSamples& floor,
+             double limit);
+  };
+  [[nodiscard]] double priorInformation() const;
+
+  CalibrationParameters parameters_;
+  double sum_ = 0.0, information_ = 0.0;  // of the pairs
+  int pairs_ = 0;
+};
+
+}  // namespace ipm_mapping::sweep

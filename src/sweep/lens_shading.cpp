@@ -1,0 +1,98 @@
+#include "ipm_mapping/sweep/lens_shading.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace ipm_mapping::sweep {
+namespace {
+
+constexpr double tukey = 2.5, first_spread = 4.0;
+constexpr double least_sigma = 1.0;  // grey levels
+constexpr double white = 250.0;      // brighter ones may be clipped
+constexpr double weak_prior = 1e-6;  // keeps what does not differ within the view solvable
+constexpr double least_information = 1.0;
+constexpr double gain_scale = 100.0;  // keeps the normal equations well conditioned
+
+}  // namespace
+
+void LensShading::forget() {
+  sum_ = information_ = 0.0;
+  pairs_ = 0;
+}
+
+void LensShading::adopt(const LensShading& other) {
+  sum_ = other.sum_;
+  information_ = other.information_;
+  pairs_ = other.pairs_;
+}
+
+double LensShading::priorInformation() const {
+  return 1.0 / (parameters_.sd_shading * parameters_.sd_shading);
+}
+
+double LensShading::estimate() const {
+  const double prior = priorInformation();
+  return std::clamp((prior * parameters_.lens_shading + sum_) / (prior + information_),
+                    -parameters_.max_shading, parameters_.max_shading);
+}
+
+double LensShading::sigma() const { return 1.0 / std::sqrt(priorInformation() + information_); }
+
+bool LensShading::differs(double in_force) const {
+  const double off = std::abs(estimate() - in_force);
+  return pairs_ >= parameters_.shading_pairs && off > parameters_.apply_shading &&
+         off > parameters_.shading_sigmas * sigma();
+}
+
+/// Normal equations of one robust round around a solution, rows as in the class's equation.
+void LensShading::Fit::add(const CylindricalRectification& rectification, const FloorSamples& floor,
+                           double limit) {
+  const PolarGrid& grid = rectification.grid();
+  const Unknowns around = solution;
+  A.setZero();
+  b.setZero();
+  for (int i = 0; i < floor.count; ++i) {
+    const auto grey = static_cast<double>(floor.current[i]);
+    if (grey > white) continue;
+    const double e = grey - static_cast<double>(floor.before[i]);
+    const int before_row = static_cast<int>(std::lround(floor.reference_row[i]));
+    const int before_line = static_cast<int>(std::lround(floor.reference_line[i]));
+    const double farther = floor.row[i] - static_cast<double>(floor.reference_row[i]);
+    const double outwards =
+        static_cast<double>(rectification.squaredRadius(floor.row[i], floor.line[i]) -
+                            rectification.squaredRadius(before_row, before_line));
+    Unknowns slopes;
+    slopes << -grey * outwards, grey / gain_scale, 1.0, grey * farther / grid.rows_per_log,
+        grey * (grid.r(floor.row[i]) - grid.r(before_row));
+    const double share = (e - slopes.dot(around)) / limit;
+    if (std::abs(share) >= 1.0) continue;
+    const double tail = 1.0 - share * share, weight = tail * tail;
+    A.noalias() += weight * slopes * slopes.transpose();
+    b.noalias() += weight * e * slopes;
+  }
+  A.diagonal().array() += weak_prior;
+  solution = A.llt().solve(b);
+}
+
+void LensShading::learn(const CylindricalRectification& rectification, const FloorSamples& floor) {
+  if (floor.count < parameters_.min_samples) return;
+  const double sigma = std::max(least_sigma, floor.sigma);
+  Fit fit;
+  for (const double spread : {first_spread, 1.0, 1.0})
+    fit.add(rectification, floor, spread * tukey * sigma);
+  const double independent = parameters_.correlation / (sigma * sigma);
+  const Eigen::Matrix<double, Fit::others, 1> shared = fit.A.col(0).tail<Fit::others>();
+  const Eigen::Matrix<double, Fit::others, Fit::others> rest =
+      fit.A.bottomRightCorner<Fit::others, Fit::others>();
+  const double information = independent * (fit.A(0, 0) - shared.dot(rest.llt().solve(shared)));
+  if (!(information > least_information)) return;
+  const double sd = parameters_.sd_shading_pair;
+  const double counts = 1.0 / (1.0 / information + sd * sd);
+  const double faded = 1.0 - 1.0 / parameters_.shading_memory;
+  sum_ = faded * sum_ + counts * (rectification.shading() + fit.solution[0]);
+  information_ = faded * information_ + counts;
+  ++pairs_;
+}
+
+}  // namespace ipm_mapping::sweep
