@@ -83,7 +83,8 @@ void FootChain::fillGains(const ComparedFrame& frame, int beam) {
   }
 }
 
-/// Nearest contact of a beam's chain to one side, within the gap; -1: none.
+/// Nearest contact of a beam's chain to one side, within the gap, that is neither doubted nor a
+/// guess; -1: none.
 int FootChain::contactBeside(const std::vector<BeamChoice>& choices, int beam, int side) const {
   const int chain = feet_[static_cast<std::size_t>(beam)].chain;
   const int beams = static_cast<int>(feet_.size());
@@ -91,7 +92,8 @@ int FootChain::contactBeside(const std::vector<BeamChoice>& choices, int beam, i
     const int b = beam + side * step;
     if (b < 0 || b >= beams) return -1;
     const auto i = static_cast<std::size_t>(b);
-    if (feet_[i].chain == chain && choices[i].any() && !choices[i].by_edge) return b;
+    if (feet_[i].chain == chain && choices[i].any() && !choices[i].by_edge && !choices[i].doubtful)
+      return b;
   }
   return -1;
 }

@@ -178,10 +178,10 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
     if (first_look) findContacts(view);  // the motion was found on what may not have been floor
     const ComparedFrame compared{view, views_.data(), reference_count_, sweep_, current_.stamp};
     straight_foot_.complete(compared, choices_);
-    foot_chain_.complete(compared, choices_);
     const SE2 T_floor_foot = footAt(current_.T_floor_base);
     lone_contact_.mark(T_floor_foot, used, choices_);
     doubtLowContacts();
+    foot_chain_.complete(compared, choices_);
     remembered_foot_.complete(compared, T_floor_foot, frame.stamp - stood_, used, choices_);
     doubtLowContacts();  // of those as well
     moving_.complete(compared, T_floor_foot, frame.stamp, choices_);

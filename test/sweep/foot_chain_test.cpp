@@ -98,12 +98,19 @@ TEST_F(Chain, AContactBesideTheEdgeIsNotItsEnd) {
   EXPECT_EQ(found(11, 23), 0);
 }
 
-TEST_F(Chain, GuessesAreNoEnds) {
+TEST_F(Chain, GuessesAndDoubtfulContactsAreNoEnds) {
   contact(10);
   contact(24);
   at(24).by_edge = true;
   complete();
   EXPECT_EQ(found(11, 23), 0);
+  at(24).by_edge = false;
+  at(24).doubtful = true;
+  complete();
+  EXPECT_EQ(found(11, 23), 0);
+  at(24).doubtful = false;
+  complete();
+  EXPECT_EQ(found(11, 23), 13);
 }
 
 TEST_F(Chain, FloorBehindALineIsNoFace) {
