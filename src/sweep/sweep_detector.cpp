@@ -176,7 +176,7 @@ FrameStatus SweepDetector::process(const Frame& frame, Obstacles& obstacles) {
     const bool first_look = !floor_masked_;
     findContacts(view);
     if (first_look) findContacts(view);  // the motion was found on what may not have been floor
-    const ComparedFrame compared{view, views_.data(), reference_count_, sweep_, current_.stamp};
+    const ComparedFrame compared{view, views_.data(), reference_count_, sweep_};
     straight_foot_.complete(compared, choices_);
     const SE2 T_floor_foot = footAt(current_.T_floor_base);
     lone_contact_.mark(T_floor_foot, used, choices_);

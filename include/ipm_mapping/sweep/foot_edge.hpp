@@ -13,7 +13,6 @@ struct ComparedFrame {
   const SweepReference* references;
   int count;
   VerticalSweep& sweep;
-  double current_stamp = 0;
 };
 
 /// The foot of a face that is known from elsewhere: from the beams beside, or from frames before.
