@@ -98,6 +98,26 @@ TEST_F(Chain, AContactBesideTheEdgeIsNotItsEnd) {
   EXPECT_EQ(found(11, 23), 0);
 }
 
+/// A second face, alike and nearer, is not the same edge.
+TEST_F(Chain, AStepInTheEdgeEndsIt) {
+  const double nearer = 0.85;
+  const auto row = [&](int line) { return grid.row(nearer / std::cos(grid.azimuth(line))); };
+  for (int line = sweep.firstLine(17); line < grid.lines; ++line)
+    for (int j = 0; j < grid.sweepRows(); ++j)
+      grey.at(j, line) = static_cast<std::int16_t>(
+          kernels::grey_unit *
+          (PolarGrid::rows_per_sweep_row * j < row(line) ? wall_grey : floor_grey));
+  contact(10);
+  const double foot_of_it =
+      row(sweep.firstLine(24) + kernels::beam_lines / 2) / PolarGrid::rows_per_sweep_row;
+  contact(24, foot_of_it - sweep.sweepRow(foot(24)));
+  complete();
+  EXPECT_EQ(found(11, 23), 0);
+  parameters.chain_step = 100.0;
+  complete();
+  EXPECT_EQ(found(11, 23), 13) << "nothing else parts them";
+}
+
 TEST_F(Chain, GuessesAndDoubtfulContactsAreNoEnds) {
   contact(10);
   contact(24);

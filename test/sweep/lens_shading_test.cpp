@@ -58,7 +58,7 @@ class Shading : public ::testing::Test {
 
 TEST_F(Shading, IsFoundWhateverGlossAndExposureDo) {
   for (const double shading : {0.0, 0.08, 0.2})
-    for (const double gloss : {0.0, 0.04, -0.04})
+    for (const double gloss : {0.0, 0.05, -0.05})
       for (const double gain : {1.0, 1.02}) {
         LensShading lens;
         lens.configure(parameters);
