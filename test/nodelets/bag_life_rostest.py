@@ -85,7 +85,7 @@ class BagLife(unittest.TestCase):
     def offline(cls):
         """Stamp of every used frame -> how many bearings are in each state."""
         out = os.path.join(cls.folder, "offline")
-        tool("offline_mapper", cls.bag, "--out", out)
+        tool("offline_mapper", cls.bag, "--out", out, "--set", "calibration/learn_shading=false")
         frames = {}
         with open(os.path.join(out, "obstacles.csv"), encoding="ascii") as table:
             for row in csv.DictReader(table):
