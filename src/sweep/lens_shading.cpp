@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace ipm_mapping::sweep {
@@ -45,32 +46,47 @@ bool LensShading::differs(double in_force) const {
          off > parameters_.shading_sigmas * sigma();
 }
 
-/// Normal equations of one robust round around a solution, rows as in the class's equation.
-void LensShading::Fit::add(const CylindricalRectification& rectification, const FloorSamples& floor,
-                           double limit) {
+/// What each sample's change moves with, as in the class's equation.
+void LensShading::fillRows(const CylindricalRectification& rectification,
+                           const FloorSamples& floor) {
   const PolarGrid& grid = rectification.grid();
-  const Unknowns around = solution;
-  A.setZero();
-  b.setZero();
+  rows_.clear();
   for (int i = 0; i < floor.count; ++i) {
     const auto grey = static_cast<double>(floor.current[i]);
     if (grey > white) continue;
-    const double e = grey - static_cast<double>(floor.before[i]);
     const int before_row = static_cast<int>(std::lround(floor.reference_row[i]));
     const int before_line = static_cast<int>(std::lround(floor.reference_line[i]));
     const double farther = floor.row[i] - static_cast<double>(floor.reference_row[i]);
     const double outwards =
         static_cast<double>(rectification.squaredRadius(floor.row[i], floor.line[i]) -
                             rectification.squaredRadius(before_row, before_line));
-    Unknowns slopes;
-    slopes << -grey * outwards, grey / gain_scale, 1.0, grey * farther / grid.rows_per_log,
-        grey * (grid.r(floor.row[i]) - grid.r(before_row));
-    const double share = (e - slopes.dot(around)) / limit;
+    rows_.push_back({{-grey * outwards, grey / gain_scale, 1.0, grey * farther / grid.rows_per_log,
+                      grey * (grid.r(floor.row[i]) - grid.r(before_row))},
+                     grey - static_cast<double>(floor.before[i])});
+  }
+}
+
+/// One robust round around a solution.
+void LensShading::Fit::add(const std::vector<Row>& rows, double limit) {
+  const Unknowns around = solution;
+  std::array<double, unknowns*(unknowns + 1) / 2> upper{};
+  b.setZero();
+  for (const Row& row : rows) {
+    double left = row.change;
+    for (int k = 0; k < unknowns; ++k) left -= row.slopes[static_cast<std::size_t>(k)] * around[k];
+    const double share = left / limit;
     if (std::abs(share) >= 1.0) continue;
     const double tail = 1.0 - share * share, weight = tail * tail;
-    A.noalias() += weight * slopes * slopes.transpose();
-    b.noalias() += weight * e * slopes;
+    std::size_t at = 0;
+    for (std::size_t k = 0; k < unknowns; ++k) {
+      const double weighed = weight * row.slopes[k];
+      b[static_cast<int>(k)] += weighed * row.change;
+      for (std::size_t j = k; j < unknowns; ++j) upper[at++] += weighed * row.slopes[j];
+    }
   }
+  auto next = upper.begin();
+  for (int k = 0; k < unknowns; ++k)
+    for (int j = k; j < unknowns; ++j) A(k, j) = A(j, k) = *next++;
   A.diagonal().array() += weak_prior;
   solution = A.llt().solve(b);
 }
@@ -78,9 +94,9 @@ void LensShading::Fit::add(const CylindricalRectification& rectification, const 
 void LensShading::learn(const CylindricalRectification& rectification, const FloorSamples& floor) {
   if (floor.count < parameters_.min_samples) return;
   const double sigma = std::max(least_sigma, floor.sigma);
+  fillRows(rectification, floor);
   Fit fit;
-  for (const double spread : {first_spread, 1.0, 1.0})
-    fit.add(rectification, floor, spread * tukey * sigma);
+  for (const double spread : {first_spread, 1.0, 1.0}) fit.add(rows_, spread * tukey * sigma);
   const double independent = parameters_.correlation / (sigma * sigma);
   const Eigen::Matrix<double, Fit::others, 1> shared = fit.A.col(0).tail<Fit::others>();
   const Eigen::Matrix<double, Fit::others, Fit::others> rest =

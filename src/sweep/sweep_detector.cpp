@@ -82,6 +82,7 @@ void SweepDetector::configureView() {
   noise_.configure(grid_, rows, parameters_.noise);
   lattice_.configure(grid_, rows);
   refinement_.configure(grid_, rows, foot, parameters_.refinement);
+  shading_.reserve(refinement_.mostSamples());
   floor_masked_ = false;
   sway_.configure(grid_, rows);
   specular_.configure(grid_, rows, parameters_.evidence);

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <vector>
 
 #include "ipm_mapping/parameters/calibration_parameters.hpp"
 #include "ipm_mapping/sweep/cylindrical_rectification.hpp"
@@ -33,6 +35,8 @@ struct FloorSamples {
 class LensShading {
  public:
   void configure(const CalibrationParameters& parameters) { parameters_ = parameters; }
+  /// No pair has more samples than this.
+  void reserve(std::size_t samples) { rows_.reserve(samples); }
   /// Another camera.
   void forget();
   /// Takes over what another one has learnt.
@@ -47,20 +51,26 @@ class LensShading {
   [[nodiscard]] bool differs(double in_force) const;
 
  private:
+  /// One sample: its change, and how that moves with the unknowns.
+  struct Row {
+    std::array<double, 5> slopes;
+    double change;
+  };
   /// Of one pair: shading, gain, offset, a and b.
   struct Fit {
-    static constexpr int others = 4;
-    using Unknowns = Eigen::Matrix<double, 1 + others, 1>;
-    Eigen::Matrix<double, 1 + others, 1 + others> A;
+    static constexpr int unknowns = 5, others = unknowns - 1;
+    using Unknowns = Eigen::Matrix<double, unknowns, 1>;
+    Eigen::Matrix<double, unknowns, unknowns> A;
     Unknowns b, solution = Unknowns::Zero();
-    void add(const CylindricalRectification& rectification, const FloorSamples& floor,
-             double limit);
+    void add(const std::vector<Row>& rows, double limit);
   };
+  void fillRows(const CylindricalRectification& rectification, const FloorSamples& floor);
   [[nodiscard]] double priorInformation() const;
 
   CalibrationParameters parameters_;
   double sum_ = 0.0, information_ = 0.0;  // of the pairs
   int pairs_ = 0;
+  std::vector<Row> rows_;
 };
 
 }  // namespace ipm_mapping::sweep

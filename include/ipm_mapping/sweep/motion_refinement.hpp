@@ -68,6 +68,7 @@ class MotionRefinement {
   /// frames in between. Where floor is missing the answer is odometry's.
   [[nodiscard]] RefinedMotion refine(const RectifiedFrame& current, const RectifiedFrame& reference,
                                      const SE2& odometry, const SE2& start);
+  [[nodiscard]] std::size_t mostSamples() const { return points_.size(); }
   /// The floor that the last refine(), whose answer it was, has compared; for as long as there is
   /// no other one.
   [[nodiscard]] FloorSamples floor(const RefinedMotion& motion);
