@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "ipm_mapping/sweep/floor_sample.hpp"
+
 namespace ipm_mapping::sweep {
 namespace {
 
@@ -74,9 +76,8 @@ void LensShading::Fit::add(const std::vector<Row>& rows, double limit) {
   for (const Row& row : rows) {
     double left = row.change;
     for (int k = 0; k < unknowns; ++k) left -= row.slopes[static_cast<std::size_t>(k)] * around[k];
-    const double share = left / limit;
-    if (std::abs(share) >= 1.0) continue;
-    const double tail = 1.0 - share * share, weight = tail * tail;
+    const double weight = tukeyWeight(left, limit);
+    if (weight == 0.0) continue;
     std::size_t at = 0;
     for (std::size_t k = 0; k < unknowns; ++k) {
       const double weighed = weight * row.slopes[k];

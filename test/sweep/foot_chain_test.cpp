@@ -8,26 +8,14 @@ namespace ipm_mapping::sweep {
 namespace {
 
 /// A plain wall that single beams have contacts at.
-class Chain : public PlainWall {
+class Chain : public WallWithContacts {
  protected:
   void SetUp() override {
-    PlainWall::SetUp();
-    choices.assign(static_cast<std::size_t>(sweep.beams()), BeamChoice{});
+    WallWithContacts::SetUp();
     parameters.chain_gap = 20;
     parameters.chain_beams = 0;
   }
-  void contact(int beam, double off = 0.0, int rows = 24) {
-    at(beam).candidate = static_cast<float>(foot(beam) + off);
-    at(beam).score = 30.0F;
-    at(beam).top = static_cast<int>(sweep.sweepRow(at(beam).candidate)) - rows;
-  }
-  void complete() {
-    FootChain chain;
-    chain.configure(sweep, FreeFloorParameters{}, parameters);
-    const SweepReference one = reference();
-    const CurrentView now = current();
-    chain.complete({now, &one, 1, sweep}, choices);
-  }
+  void complete() { WallWithContacts::complete<FootChain>(); }
   /// Something in the face, so many rows above its foot, that looks like no floor.
   void featureAbove(int rows, int first, int last, double sigmas) {
     for (int beam = first; beam <= last; ++beam) {
@@ -36,14 +24,6 @@ class Chain : public PlainWall {
         cost.at(j, beam) = static_cast<std::uint16_t>(sigmas * kernels::cost_unit);
     }
   }
-  BeamChoice& at(int beam) { return choices[static_cast<std::size_t>(beam)]; }
-  [[nodiscard]] int found(int first, int last) const {
-    int n = 0;
-    for (int beam = first; beam <= last; ++beam)
-      n += choices[static_cast<std::size_t>(beam)].any() ? 1 : 0;
-    return n;
-  }
-  std::vector<BeamChoice> choices;
 };
 
 TEST_F(Chain, TheFootGoesOnBetweenTwoContacts) {

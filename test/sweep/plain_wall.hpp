@@ -100,4 +100,38 @@ class PlainWall : public ::testing::Test {
   FootParameters parameters;
 };
 
+/// Some beams that see the wall have contacts.
+class WallWithContacts : public PlainWall {
+ protected:
+  void SetUp() override {
+    PlainWall::SetUp();
+    choices.assign(static_cast<std::size_t>(sweep.beams()), BeamChoice{});
+  }
+  BeamChoice& at(int beam) { return choices[static_cast<std::size_t>(beam)]; }
+  /// A contact `off` candidates from the wall's foot, its support so many rows high.
+  void contact(int beam, double off = 0.0, int support = 24) {
+    at(beam).candidate = static_cast<float>(foot(beam) + off);
+    at(beam).score = 30.0F;
+    at(beam).top = static_cast<int>(sweep.sweepRow(at(beam).candidate)) - support;
+  }
+  /// How many of these beams have one.
+  [[nodiscard]] int found(int first, int last) const {
+    int n = 0;
+    for (int beam = first; beam <= last; ++beam)
+      n += choices[static_cast<std::size_t>(beam)].any() ? 1 : 0;
+    return n;
+  }
+  /// Lets a stage complete them.
+  template <class Stage>
+  void complete() {
+    Stage stage;
+    stage.configure(sweep, FreeFloorParameters{}, parameters);
+    const SweepReference one = reference();
+    const CurrentView now = current();
+    stage.complete({now, &one, 1, sweep}, choices);
+  }
+
+  std::vector<BeamChoice> choices;
+};
+
 }  // namespace ipm_mapping::sweep

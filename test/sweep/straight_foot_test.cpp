@@ -21,37 +21,14 @@ TEST(FloorLine, IsTheLineThroughItsPoints) {
     EXPECT_NEAR(line.r(direction(azimuth)), r(azimuth), 1e-6);
 }
 
-/// Some beams that see the wall have contacts.
-class Foot : public PlainWall {
+/// Runs of beams have contacts.
+class Foot : public WallWithContacts {
  protected:
-  void SetUp() override {
-    PlainWall::SetUp();
-    choices.assign(static_cast<std::size_t>(sweep.beams()), BeamChoice{});
-  }
   void contacts(int first, int last, double off = 0.0) {
-    for (int beam = first; beam <= last; ++beam) {
-      BeamChoice& choice = at(beam);
-      choice.candidate = static_cast<float>(foot(beam) + off);
-      choice.score = 30.0F;
-      choice.top = static_cast<int>(sweep.sweepRow(choice.candidate)) - support;
-    }
+    for (int beam = first; beam <= last; ++beam) contact(beam, off, support);
   }
-  void complete() {
-    StraightFoot straight_foot;
-    straight_foot.configure(sweep, FreeFloorParameters{}, parameters);
-    const SweepReference one = reference();
-    const CurrentView now = current();
-    straight_foot.complete({now, &one, 1, sweep}, choices);
-  }
-  BeamChoice& at(int beam) { return choices[static_cast<std::size_t>(beam)]; }
-  [[nodiscard]] int found(int first, int last) const {
-    int n = 0;
-    for (int beam = first; beam <= last; ++beam)
-      n += choices[static_cast<std::size_t>(beam)].any() ? 1 : 0;
-    return n;
-  }
+  void complete() { WallWithContacts::complete<StraightFoot>(); }
 
-  std::vector<BeamChoice> choices;
   int support = 24;  // rows
 };
 

@@ -101,6 +101,7 @@ class SweepDetector : public Detector {
   bool hasMoved();
   FrameStatus findReferences(bool moved);
   [[nodiscard]] bool floorIsTheSame() const;
+  void answer(const Frame& frame, bool new_evidence, Obstacles& obstacles);
   void findContacts(const CurrentView& view);
   void maskFloor();
   void splitCurrent();
