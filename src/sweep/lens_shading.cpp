@@ -10,7 +10,8 @@
 namespace ipm_mapping::sweep {
 namespace {
 
-constexpr double tukey = 2.5, first_spread = 4.0;
+constexpr double tukey = 2.5;
+constexpr int rounds = 3;
 constexpr double least_sigma = 1.0;  // grey levels
 constexpr double white = 250.0;      // brighter ones may be clipped
 constexpr double weak_prior = 1e-6;  // keeps what does not differ within the view solvable
@@ -37,7 +38,7 @@ double LensShading::priorInformation() const {
 double LensShading::estimate() const {
   const double prior = priorInformation();
   return std::clamp((prior * parameters_.lens_shading + sum_) / (prior + information_),
-                    -parameters_.max_shading, parameters_.max_shading);
+                    std::min(0.0, parameters_.lens_shading), parameters_.max_shading);
 }
 
 double LensShading::sigma() const { return 1.0 / std::sqrt(priorInformation() + information_); }
@@ -97,7 +98,7 @@ void LensShading::learn(const CylindricalRectification& rectification, const Flo
   const double sigma = std::max(least_sigma, floor.sigma);
   fillRows(rectification, floor);
   Fit fit;
-  for (const double spread : {first_spread, 1.0, 1.0}) fit.add(rows_, spread * tukey * sigma);
+  for (int round = 0; round < rounds; ++round) fit.add(rows_, tukey * sigma);
   const double independent = parameters_.correlation / (sigma * sigma);
   const Eigen::Matrix<double, Fit::others, 1> shared = fit.A.col(0).tail<Fit::others>();
   const Eigen::Matrix<double, Fit::others, Fit::others> rest =

@@ -107,6 +107,10 @@ TEST_F(Shading, IsNotBelievedBeyondItsBound) {
   lens.configure(parameters);
   for (int i = 0; i < 20; ++i) learn(lens, 0.3, 0.0);
   EXPECT_DOUBLE_EQ(lens.estimate(), 0.1);
+  lens.forget();
+  for (int i = 0; i < 20; ++i) learn(lens, -0.2, 0.0);
+  EXPECT_DOUBLE_EQ(lens.estimate(), 0.0) << "no lens brightens the corners";
+  EXPECT_FALSE(lens.differs(0.0));
 }
 
 TEST_F(Shading, TooLittleFloorSaysNothing) {

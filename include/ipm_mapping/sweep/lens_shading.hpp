@@ -31,7 +31,7 @@ struct FloorSamples {
 /// Gain g and offset o are what exposure has left over. a and b stand for whatever depends on how
 /// steeply the floor is looked at, gloss above all: what tells the lens from them is that the ends
 /// of a row darken and its middle does not. Every pair counts as at least sd_shading_pair off, and
-/// old ones fade.
+/// old ones fade. No lens brightens the corners: what says so is gloss.
 class LensShading {
  public:
   void configure(const CalibrationParameters& parameters) { parameters_ = parameters; }
@@ -44,6 +44,7 @@ class LensShading {
 
   /// Learns from a pair of frames that were rectified alike.
   void learn(const CylindricalRectification& rectification, const FloorSamples& floor);
+  /// Between none, or what is stated if that is less, and max_shading.
   [[nodiscard]] double estimate() const;
   [[nodiscard]] double sigma() const;
   [[nodiscard]] int pairs() const { return pairs_; }
